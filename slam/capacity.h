@@ -1,0 +1,52 @@
+#pragma once
+// Every capacity of the core, in one place, each derived from who needs it.
+
+#include <cstddef>
+
+namespace zenith {
+
+// The rectified image: 320 x 320 as in the paper (IV).
+inline constexpr int kRectifiedSize = 320;
+
+// Corners of one frame: about one per 28 x 28 pixels of the rectified image.
+inline constexpr int kMaxCorners = 128;
+
+// A patch is 16 x 16; its compact form keeps 32 DCT coefficients (paper-notes, "Compact NCC").
+inline constexpr int kPatchSize = 16;
+inline constexpr int kPatchLength = kPatchSize * kPatchSize;
+inline constexpr int kCompactLength = 32;
+
+// Particles: 200 by default, 800 for the comparison in the docs. Rows are padded to a multiple of
+// 16 floats, one AVX-512 register.
+inline constexpr int kMaxParticles = 1024;
+inline constexpr int kRowAlign = 16;
+
+// Landmarks of the own map: 1000 m2 of ceiling at four landmarks a square metre.
+inline constexpr int kMaxLandmarks = 4096;
+
+// Looks of one landmark: at most 20, as in the paper (III-A). All landmarks share one pool with
+// eight for each on average.
+inline constexpr int kMaxAppearances = 20;
+inline constexpr int kAppearancePool = 8 * kMaxLandmarks;
+
+// Frames in which landmarks were first seen and that still carry one: 4 landmarks each on average.
+inline constexpr int kMaxAnchors = 1024;
+
+// Wheel samples kept for interpolation: 2 s at 100 Hz and a margin.
+inline constexpr int kMaxWheelSamples = 256;
+
+// Peers, the landmarks kept of each, and the looks of a landmark that travel.
+inline constexpr int kMaxPeers = 8;
+inline constexpr int kMaxPeerLandmarks = 4096;
+inline constexpr int kPublishedAppearances = 8;
+
+// Alignments under test with one peer, and pairs of landmarks that hold an alignment.
+inline constexpr int kMaxHypotheses = 16;
+inline constexpr int kMaxCorrespondences = 512;
+
+static_assert(kPublishedAppearances <= kMaxAppearances);
+static_assert(kAppearancePool >= kMaxLandmarks, "every landmark has at least one look");
+static_assert(kMaxParticles % kRowAlign == 0);
+static_assert(kCompactLength < kPatchLength);
+
+}  // namespace zenith

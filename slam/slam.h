@@ -1,0 +1,128 @@
+#pragma once
+// The core: one robot's SLAM with its peers' maps. A pure function of its inputs: no clock, no
+// system call, no thread, no heap. The same inputs give the same outputs, bit for bit.
+//
+// Memory: the caller hands over one block at construction; nothing is allocated afterwards. Views
+// that a Slam returns are valid until the next step() or receive().
+// Threads: none of its own; one caller at a time.
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include <Eigen/Core>
+
+#include "platform/base/time.h"
+#include "slam/capacity.h"
+#include "slam/fleet/record.h"
+#include "slam/geometry.h"
+#include "slam/image/image.h"
+#include "slam/parameters.h"
+#include "slam/robot.h"
+#include "slam/wheels.h"
+
+namespace zenith {
+
+struct StepInput {
+  Time stamp;                          // the frame's capture stamp
+  ImageView frame;                     // the fisheye frame, as large as the lens says
+  std::span<const WheelSample> wheels; // all since the last step, in order; the last one at or
+                                       // after `stamp`, or the travel is extrapolated (and counted)
+};
+
+struct StepCounters {
+  std::uint64_t frames = 0;
+  std::uint64_t resamplings = 0;
+  std::uint64_t landmarks_created = 0;
+  std::uint64_t landmarks_promoted = 0;
+  std::uint64_t landmarks_pruned = 0;
+  std::uint64_t landmarks_evicted = 0;
+  std::uint64_t landmarks_rejected_full = 0;
+  std::uint64_t appearances_rejected_full = 0;
+  std::uint64_t odometry_extrapolated = 0;
+  std::uint64_t odometry_rejected = 0;
+};
+
+struct StepOutput {
+  Time stamp;
+  Pose2 T_start_robot;              // base_link in the robot's own start frame
+  Eigen::Matrix3d pose_covariance;  // over (x, y, theta)
+  double effective_sample_size = 0.0;
+  int corners = 0;
+  int candidates = 0;               // landmarks predicted into the image
+  int matched = 0;
+  int inliers = 0;
+};
+
+struct LandmarkEstimate {
+  std::uint32_t id = 0;
+  Eigen::Vector3d position_m;      // in the robot's own start frame
+  Eigen::Matrix3d covariance_m2;
+  int observations = 0;
+};
+
+enum class AlignmentState { kCandidate, kMerged, kWithdrawn };
+
+// The transform that takes peer's coordinates into the robot's own start frame.
+struct Alignment {
+  int peer = 0;                    // slot, as given to receive()
+  AlignmentState state = AlignmentState::kCandidate;
+  Pose2 T_own_peer;
+  Eigen::Matrix3d covariance;      // over (x, y, theta)
+  double confidence = 0.0;         // Eq. 4, corrected
+  int correspondences = 0;
+};
+
+struct Correspondence {
+  std::uint32_t own_id = 0;
+  std::uint32_t peer_id = 0;
+};
+
+class Slam {
+ public:
+  // Bytes that the constructor needs. Depends on the parameters (particles) alone.
+  static std::size_t memory_needed(const Parameters& parameters);
+
+  // `memory` must outlive the Slam, be aligned to 64 bytes and hold memory_needed() bytes.
+  Slam(const RobotConfig& robot, const Parameters& parameters, std::uint64_t seed,
+       std::span<std::byte> memory);
+  ~Slam();
+  Slam(const Slam&) = delete;
+  Slam& operator=(const Slam&) = delete;
+
+  // One frame. Calls must have rising stamps.
+  const StepOutput& step(const StepInput& input);
+
+  const StepCounters& counters() const;
+
+  // Own promoted landmarks, in rising id, into `out`; returns how many were written.
+  std::size_t landmarks(std::span<LandmarkEstimate> out) const;
+
+  // Own landmarks that changed since they were last published, as records; returns how many were
+  // written. Call again while it fills `out`.
+  std::size_t publish(std::span<LandmarkRecord> out);
+
+  // A peer's records. `peer` is a slot in [0, kMaxPeers).
+  void receive(int peer, std::span<const LandmarkRecord> records);
+
+  // The state with each known peer: the leading hypothesis, or none when there is no candidate.
+  std::span<const Alignment> alignments() const;
+
+  // The pairs of landmarks that hold the alignment with `peer` (its leading hypothesis).
+  std::span<const Correspondence> correspondences(int peer) const;
+
+  // The common map: own landmarks fused with all merged peers', in the own start frame. `owners`
+  // counts the robots that hold a landmark. Returns how many were written.
+  struct FusedLandmark {
+    LandmarkEstimate landmark;
+    int owners = 1;
+    int source = -1;  // -1: own (possibly fused); otherwise the peer's slot
+  };
+  std::size_t fused_landmarks(std::span<FusedLandmark> out) const;
+
+ private:
+  struct State;
+  State* state_;  // inside the caller's memory
+};
+
+}  // namespace zenith
