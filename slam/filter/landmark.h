@@ -1,0 +1,87 @@
+#pragma once
+// The anchored landmark, exactly linear for a given particle (paper-notes; paper Eq. 1).
+//
+//   state    (ax, ay, rho): where the landmark was seen from its anchor, as tangents, and the
+//            inverse of its height above the camera
+//   predict  m = R(theta_a - theta_t) (ax, ay) + rho b,   b = R(theta_t)^T (c_a - c_t)
+//   observe  z = m + noise,   H = [R(theta_a - theta_t) | b],   S = H P H^T + sigma^2 I
+//   place    L_xy = c_a + R(theta_a) (ax, ay) / rho,   L_z = z_camera + 1 / rho
+//
+// c is the camera centre in the plane, theta the heading, a the anchor, t the time of observation;
+// m and z are tangents in the level image (Pinhole::normalise). Both poses are known numbers for a
+// particle, so the Kalman update is exact, also with almost no parallax, where an EKF on
+// (Lx, Ly, Lz) linearises badly.
+//
+// Every function here is a kernel over rows of particles; the caller has brought all rows to the
+// same generation.
+
+#include <Eigen/Core>
+
+#include "slam/filter/particles.h"
+#include "slam/filter/rows.h"
+
+namespace zenith {
+
+inline constexpr int kLandmarkRows = 9;  // ax ay rho | Pxx Pxy Pxr Pyy Pyr Prr
+inline constexpr int kAnchorRows = 4;    // x y cos sin
+
+using LandmarkRowStore = RowStore<kLandmarkRows>;
+using AnchorRowStore = RowStore<kAnchorRows>;
+
+// Rows of one landmark with its anchor.
+struct LandmarkRows {
+  float* ax;
+  float* ay;
+  float* rho;
+  float* pxx;
+  float* pxy;
+  float* pxr;
+  float* pyy;
+  float* pyr;
+  float* prr;
+  const float* anchor_x;
+  const float* anchor_y;
+  const float* anchor_cos;
+  const float* anchor_sin;
+};
+
+LandmarkRows landmark_rows(LandmarkRowStore& landmarks, int slot, AnchorRowStore& anchors,
+                           int anchor);
+
+// Prediction of one landmark for each particle: m, and S without the measurement noise.
+struct PredictionRows {
+  float* mx = nullptr;
+  float* my = nullptr;
+  float* sxx = nullptr;
+  float* sxy = nullptr;
+  float* syy = nullptr;
+};
+void predict_landmark(const LandmarkRows& landmark, const CameraRows& camera, int particles,
+                      const PredictionRows& out);
+
+// The Kalman update with observation (zx, zy) of variance `noise` on each axis.
+void update_landmark(const LandmarkRows& landmark, const CameraRows& camera, int particles,
+                     float zx, float zy, float noise);
+
+// log N(z; m, S) summed into log_likelihood, each landmark's squared Mahalanobis distance capped:
+// a wrong match then costs every particle the same at most.
+void add_log_likelihood(const LandmarkRows& landmark, const CameraRows& camera, int particles,
+                        float zx, float zy, float noise, float cap, double* log_likelihood);
+
+// The start: seen at (zx, zy) with variance `noise`, nothing known of the height but
+// rho ~ N(rho_mean, rho_sigma^2).
+void start_landmark(const LandmarkRows& landmark, int particles, float zx, float zy, float noise,
+                    float rho_mean, float rho_sigma);
+
+// Mean and covariance over all particles of the landmark's place (paper's L), camera height
+// `camera_z_m`; also the weighted mean and variance of rho.
+struct LandmarkPlace {
+  Eigen::Vector3d mean_m = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d covariance_m2 = Eigen::Matrix3d::Zero();
+  double rho = 0.0;
+  double rho_variance = 0.0;
+};
+LandmarkPlace place_landmark(const LandmarkRows& landmark, const double* weight, int particles,
+                             double camera_z_m);
+
+}  // namespace zenith

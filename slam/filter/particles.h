@@ -1,0 +1,74 @@
+#pragma once
+// The particle set of one robot: poses of base_link in the start frame, log weights, and the
+// camera's place that follows from them (paper II-B).
+
+#include <cmath>
+#include <span>
+
+#include <Eigen/Core>
+
+#include "platform/base/arena.h"
+#include "slam/filter/rows.h"
+#include "slam/geometry.h"
+
+namespace zenith {
+
+// The camera centre in the plane and the robot's heading, as rows for the landmark kernels.
+struct CameraRows {
+  float* x = nullptr;
+  float* y = nullptr;
+  float* cos = nullptr;
+  float* sin = nullptr;
+};
+
+struct Particles {
+  int count = 0;
+  std::span<double> x_m;
+  std::span<double> y_m;
+  std::span<double> theta_rad;
+  std::span<double> log_weight;  // any common offset; see normalise_weights()
+  std::span<double> weight;      // normalised, after normalise_weights()
+  CameraRows camera;
+
+  void layout(Arena& arena, int particles) {
+    count = particles;
+    const auto n = static_cast<std::size_t>(row_stride(particles));
+    x_m = arena.take<double>(n);
+    y_m = arena.take<double>(n);
+    theta_rad = arena.take<double>(n);
+    log_weight = arena.take<double>(n);
+    weight = arena.take<double>(n);
+    camera.x = arena.take<float>(n).data();
+    camera.y = arena.take<float>(n).data();
+    camera.cos = arena.take<float>(n).data();
+    camera.sin = arena.take<float>(n).data();
+  }
+
+  Pose2 pose(int i) const {
+    const auto k = static_cast<std::size_t>(i);
+    return {x_m[k], y_m[k], theta_rad[k]};
+  }
+  void set_pose(int i, const Pose2& pose) {
+    const auto k = static_cast<std::size_t>(i);
+    x_m[k] = pose.x_m;
+    y_m[k] = pose.y_m;
+    theta_rad[k] = pose.theta_rad;
+  }
+};
+
+// Fills particles.camera for a camera at `lever_m` in base_link.
+void place_cameras(Particles& particles, const Eigen::Vector2d& lever_m);
+
+// log_weight -> weight (sum 1), log_weight shifted so that the largest is 0.
+// Returns the effective sample size 1 / sum w^2 (Kong, Liu, Wong 1994).
+double normalise_weights(Particles& particles);
+
+struct PoseEstimate {
+  Pose2 mean;
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  // over (x, y, theta)
+};
+
+// Weighted mean and covariance; the mean heading is the direction of the mean unit vector.
+PoseEstimate estimate_pose(const Particles& particles);
+
+}  // namespace zenith
