@@ -32,6 +32,9 @@ inline constexpr int kAppearancePool = 8 * kMaxLandmarks;
 // Frames in which landmarks were first seen and that still carry one: 4 landmarks each on average.
 inline constexpr int kMaxAnchors = 1024;
 
+// Landmarks predicted into one frame: four times what a frame can show; the newest-seen win.
+inline constexpr int kMaxCandidates = 512;
+
 // Wheel samples kept for interpolation: 2 s at 100 Hz and a margin.
 inline constexpr int kMaxWheelSamples = 256;
 

@@ -11,26 +11,40 @@ namespace zenith {
 struct Parameters {
   // image
   double rectified_fov_deg = 120.0;
-  double corner_relative_threshold = 0.002;
-  double corner_min_distance_px = 7.0;
+  double corner_min_eigenvalue = 2.0;
+  double corner_min_distance_px = 6.0;
   int corners_max = 128;
+
+  // odometry
+  double wheel_noise_per_sqrt_m = 0.006;
+  double wheel_noise_floor_m = 0.0005;
+  double lateral_noise_per_sqrt_m = 0.002;
 
   // filter
   int particles = 200;
-  int proposal_optimal = 1;
-  double wheel_sigma_per_sqrt_m = 0.01;
-  double wheel_sigma_floor_m = 0.0005;
-  double slip_sigma_per_rad = 0.02;
+  int optimal_proposal = 1;
   double pixel_sigma_px = 0.7;
   double gate_sigma = 3.5;
-  double resample_fraction = 0.5;
+  double likelihood_cap = 9.0;
+  double resample_below = 0.5;
+  double min_travel_m = 0.005;
+  double min_turn_deg = 0.3;
+
+  // association
+  double ncc_match = 0.65;
+  double ncc_match_settled = 0.40;
+  double ncc_new_appearance = 0.85;
 
   // map
-  double ncc_associate = 0.65;
-  double ncc_new_appearance = 0.85;
   double min_height_m = 1.0;
   double max_height_m = 8.0;
   double anchor_distance_m = 0.10;
+  int promote_observations = 5;
+  double promote_height_sigma = 0.15;
+  double loop_travel_m = 10.0;
+  double loop_drift = 0.004;
+  double loop_drift_deg_per_m = 0.03;
+  int loop_min_inliers = 6;
 
   // fleet
   double ncc_overlap = 0.75;

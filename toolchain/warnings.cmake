@@ -1,7 +1,7 @@
 # Every target of ours links zenith_warnings; other people's headers are SYSTEM includes.
 add_library(zenith_warnings INTERFACE)
 target_compile_options(zenith_warnings INTERFACE
-  -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Wdouble-promotion
+  -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
   -Wnon-virtual-dtor -Woverloaded-virtual -Wnull-dereference -Wformat=2 -Wimplicit-fallthrough)
 if(ZENITH_WERROR)
   target_compile_options(zenith_warnings INTERFACE -Werror)

@@ -1,0 +1,58 @@
+#include "slam/features.h"
+
+#include <cmath>
+#include <numbers>
+
+namespace zenith {
+
+void FeatureExtractor::layout(Arena& arena) {
+  rectifier_.layout(arena);
+  detector_.layout(arena);
+  rectified_ = arena.take<std::uint8_t>(kRectifiedSize * kRectifiedSize);
+  corners_ = arena.take<Corners>(1);
+  features_ = arena.take<Features>(1);
+}
+
+void FeatureExtractor::build(const RobotConfig& robot, const Parameters& parameters) {
+  pinhole_ = Pinhole::from_fov(parameters.rectified_fov_deg * std::numbers::pi / 180.0);
+  settings_.min_eigenvalue = parameters.corner_min_eigenvalue;
+  settings_.min_distance_px = parameters.corner_min_distance_px;
+  settings_.max_corners = parameters.corners_max;
+  rectifier_.build(robot.lens, robot.mount, pinhole_);
+}
+
+bool FeatureExtractor::sees(const Eigen::Vector2d& m, int margin_px) const {
+  const Eigen::Vector2d at = pinhole_.pixel(m);
+  if (!(at.array().abs() < 1e6).all()) return false;
+  return rectifier_.sees(static_cast<int>(std::lround(at.x())),
+                         static_cast<int>(std::lround(at.y())), margin_px);
+}
+
+const Features& FeatureExtractor::extract(const ImageView& frame) {
+  Corners& corners = corners_[0];
+  Features& features = features_[0];
+  features.clear();
+  const MutableImageView image = {rectified_.data(), kRectifiedSize, kRectifiedSize,
+                                  kRectifiedSize};
+  rectifier_.apply(frame, image);
+  detector_.detect(image, settings_, corners);
+  for (const Corner& corner : corners) {
+    const int u = static_cast<int>(std::lround(corner.u_px));
+    const int v = static_cast<int>(std::lround(corner.v_px));
+    if (!rectifier_.sees(u, v, settings_.border_px)) continue;
+    Feature f;
+    const Eigen::Vector2d m = pinhole_.normalise(corner.u_px, corner.v_px);
+    f.zx = static_cast<float>(m.x());
+    f.zy = static_cast<float>(m.y());
+    f.u_px = corner.u_px;
+    f.v_px = corner.v_px;
+    f.orientation_rad = patch_orientation(image, corner.u_px, corner.v_px);
+    f.patch = sample_patch(image, corner.u_px, corner.v_px, f.orientation_rad);
+    f.compact = compact(f.patch);
+    f.described = f.patch.inverse_norm > 0.0F;
+    features.push_back(f);
+  }
+  return features;
+}
+
+}  // namespace zenith

@@ -1,0 +1,43 @@
+#pragma once
+// From a fisheye frame to described corners: the image stage of the step.
+
+#include <array>
+
+#include "platform/base/arena.h"
+#include "platform/base/fixed_vector.h"
+#include "slam/image/corners.h"
+#include "slam/image/rectify.h"
+#include "slam/map/association.h"
+#include "slam/parameters.h"
+#include "slam/robot.h"
+
+namespace zenith {
+
+using Features = FixedVector<Feature, kMaxCorners>;
+
+class FeatureExtractor {
+ public:
+  void layout(Arena& arena);
+  void build(const RobotConfig& robot, const Parameters& parameters);
+
+  // Features of a frame, strongest first; valid until the next call.
+  const Features& extract(const ImageView& frame);
+
+  const Pinhole& pinhole() const { return pinhole_; }
+  // The rectified image of the last frame.
+  ImageView rectified() const {
+    return {rectified_.data(), kRectifiedSize, kRectifiedSize, kRectifiedSize};
+  }
+  bool sees(const Eigen::Vector2d& m, int margin_px) const;
+
+ private:
+  Pinhole pinhole_;
+  CornerSettings settings_;
+  Rectifier rectifier_;
+  CornerDetector detector_;
+  std::span<std::uint8_t> rectified_;
+  std::span<Corners> corners_;
+  std::span<Features> features_;
+};
+
+}  // namespace zenith

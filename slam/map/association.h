@@ -1,0 +1,96 @@
+#pragma once
+// Which corner is which landmark (paper III-A): predicted position, gate, NCC over the looks; then
+// one robust correction of the pose that all matches must agree with.
+//
+// Coordinates are tangents in the level image throughout.
+
+#include <span>
+
+#include <Eigen/Core>
+
+#include "platform/base/fixed_vector.h"
+#include "slam/capacity.h"
+#include "slam/image/corners.h"
+#include "slam/image/patch.h"
+#include "slam/map/map.h"
+
+namespace zenith {
+
+// A corner with what it looks like.
+struct Feature {
+  float zx = 0.0F;
+  float zy = 0.0F;
+  float u_px = 0.0F;
+  float v_px = 0.0F;
+  float orientation_rad = 0.0F;  // in the image's, that is the robot's axes
+  bool described = false;        // has contrast enough for a patch
+  Patch patch;
+  CompactPatch compact;
+};
+
+// A landmark predicted into the image, averaged over the particles.
+struct Candidate {
+  int slot = -1;
+  bool promoted = false;
+  bool old = false;            // not seen for a long way: perhaps the loop closes
+  bool well_inside = false;    // a detector should find it
+  Eigen::Vector2d m = Eigen::Vector2d::Zero();
+  Eigen::Matrix2d own = Eigen::Matrix2d::Zero();     // S: landmark and measurement noise
+  Eigen::Matrix2d common = Eigen::Matrix2d::Zero();  // spread of the particles, odometry, drift
+  Eigen::Matrix<double, 2, 3> G = Eigen::Matrix<double, 2, 3>::Zero();  // by (forward, left, turn)
+  int corner = -1;             // the match
+  float ncc = 0.0F;
+  bool inlier = false;
+};
+
+struct AssociationSettings {
+  double gate_sigma = 3.5;
+  double max_radius = 0.25;       // tangents; beyond, the ceiling repeats itself
+  double min_radius = 0.015;
+  float ncc_min = 0.65F;
+  float max_turn_rad = 0.6F;
+};
+
+// Gives each candidate of the wanted kind the best free corner within its gate, where the gate is
+// centred at m + G xi with covariance own + common_scale * common + G C G^T. One corner serves one
+// landmark: the pairs are taken in falling NCC. `corner_used` is read and extended.
+struct PoseCorrection {
+  Eigen::Vector3d xi = Eigen::Vector3d::Zero();  // (forward, left, turn) in the body
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  int inliers = 0;
+};
+enum class CandidateKind { kPromotedRecent, kPromotedOld, kTentative };
+
+class Associator {
+ public:
+  void layout(Arena& arena);
+  void match(std::span<Candidate> candidates, CandidateKind kind, const PoseCorrection& correction,
+             double common_scale, std::span<const Feature> features, const Map& map,
+             double heading_rad, const AssociationSettings& settings,
+             std::span<bool> corner_used);
+
+ private:
+  struct Pair {
+    float score;
+    std::int32_t candidate;
+    std::int32_t corner;
+  };
+  std::span<Pair> pairs_;
+};
+
+// The pose correction on which the matches of `kind` agree: maximum a posteriori under the prior
+// N(0, prior), matches weighted by Cauchy's function of their Mahalanobis distance (iteratively
+// reweighted least squares, started at `start`). Marks the inliers.
+PoseCorrection agree_on_pose(std::span<Candidate> candidates, CandidateKind kind,
+                             std::span<const Feature> features, const Eigen::Matrix3d& prior,
+                             const Eigen::Vector3d& start, double gate_sigma);
+
+// The same from nothing: for matches of which many are wrong. Tries every pair of matches as a
+// hypothesis (bounded), takes the one with the most inliers, refines it.
+PoseCorrection find_pose(std::span<Candidate> candidates, CandidateKind kind,
+                         std::span<const Feature> features, const Eigen::Matrix3d& prior,
+                         double gate_sigma);
+
+bool is_kind(const Candidate& candidate, CandidateKind kind);
+
+}  // namespace zenith

@@ -1,0 +1,162 @@
+#include "slam/map/map.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+#include "slam/geometry.h"
+#include "slam/image/ncc.h"
+
+namespace zenith {
+namespace {
+
+constexpr auto kLandmarks = static_cast<std::size_t>(kMaxLandmarks);
+constexpr auto kAnchors = static_cast<std::size_t>(kMaxAnchors);
+
+// A row must be touched once in kGenerations resamplings; twice is the margin.
+constexpr int kSweepLandmarks = 2 * kMaxLandmarks / static_cast<int>(Ancestry::kGenerations);
+constexpr int kSweepAnchors = 2 * kMaxAnchors / static_cast<int>(Ancestry::kGenerations);
+static_assert(kSweepLandmarks >= 1 && kSweepAnchors >= 1);
+
+}  // namespace
+
+void Map::layout(Arena& arena, int particles) {
+  particles_ = particles;
+  ancestry_.layout(arena, particles);
+  rows_.layout(arena, kMaxLandmarks, particles);
+  anchor_rows_.layout(arena, kMaxAnchors, particles);
+  infos_ = arena.take<LandmarkInfo>(kLandmarks);
+  free_slots_ = arena.take<std::int32_t>(kLandmarks);
+  anchor_users_ = arena.take<std::int32_t>(kAnchors);
+  free_anchors_ = arena.take<std::int32_t>(kAnchors);
+  pool_ = arena.take<Appearance>(kAppearancePool);
+}
+
+void Map::reset() {
+  for (int i = 0; i < kMaxLandmarks; ++i) {
+    infos_[static_cast<std::size_t>(i)] = LandmarkInfo{};
+    free_slots_[static_cast<std::size_t>(i)] = kMaxLandmarks - 1 - i;
+  }
+  for (int i = 0; i < kMaxAnchors; ++i) {
+    anchor_users_[static_cast<std::size_t>(i)] = 0;
+    free_anchors_[static_cast<std::size_t>(i)] = kMaxAnchors - 1 - i;
+  }
+  for (int i = 0; i < kAppearancePool; ++i) {
+    pool_[static_cast<std::size_t>(i)].next = i + 1 < kAppearancePool ? i + 1 : -1;
+  }
+  free_appearance_ = 0;
+  size_ = 0;
+  slots_used_ = 0;
+  anchors_used_ = 0;
+}
+
+int Map::create(int anchor) {
+  if (size_ == kMaxLandmarks) return -1;
+  const int slot = free_slots_[static_cast<std::size_t>(kMaxLandmarks - 1 - size_)];
+  ++size_;
+  slots_used_ = std::max(slots_used_, slot + 1);
+  LandmarkInfo& l = info(slot);
+  assert(l.state == LandmarkState::kFree);
+  l = LandmarkInfo{};
+  l.state = LandmarkState::kTentative;
+  l.id = next_id_++;
+  l.anchor = anchor;
+  ++anchor_users_[static_cast<std::size_t>(anchor)];
+  rows_.set_generation(slot, ancestry_.generation());
+  return slot;
+}
+
+void Map::remove(int slot) {
+  LandmarkInfo& l = info(slot);
+  assert(l.state != LandmarkState::kFree);
+  for (int i = l.first_appearance; i >= 0;) {
+    const int next = pool_[static_cast<std::size_t>(i)].next;
+    pool_[static_cast<std::size_t>(i)].next = free_appearance_;
+    free_appearance_ = i;
+    i = next;
+  }
+  const int anchor = l.anchor;
+  l = LandmarkInfo{};
+  --size_;
+  free_slots_[static_cast<std::size_t>(kMaxLandmarks - 1 - size_)] = slot;
+  --anchor_users_[static_cast<std::size_t>(anchor)];
+  release_if_unused(anchor);
+}
+
+int Map::create_anchor(const CameraRows& camera) {
+  if (anchors_used_ == kMaxAnchors) return -1;
+  const int anchor = free_anchors_[static_cast<std::size_t>(kMaxAnchors - 1 - anchors_used_)];
+  ++anchors_used_;
+  std::copy_n(camera.x, particles_, anchor_rows_.row(anchor, 0));
+  std::copy_n(camera.y, particles_, anchor_rows_.row(anchor, 1));
+  std::copy_n(camera.cos, particles_, anchor_rows_.row(anchor, 2));
+  std::copy_n(camera.sin, particles_, anchor_rows_.row(anchor, 3));
+  anchor_rows_.set_generation(anchor, ancestry_.generation());
+  return anchor;
+}
+
+void Map::release_if_unused(int anchor) {
+  if (anchor_users_[static_cast<std::size_t>(anchor)] > 0) return;
+  --anchors_used_;
+  free_anchors_[static_cast<std::size_t>(kMaxAnchors - 1 - anchors_used_)] = anchor;
+}
+
+bool Map::add_appearance(int slot, const Patch& patch, const CompactPatch& compact,
+                         float direction_rad) {
+  LandmarkInfo& l = info(slot);
+  if (l.appearance_count == kMaxAppearances || free_appearance_ < 0) return false;
+  const int i = free_appearance_;
+  Appearance& a = pool_[static_cast<std::size_t>(i)];
+  free_appearance_ = a.next;
+  a = {patch, compact, direction_rad, l.first_appearance};
+  l.first_appearance = i;
+  ++l.appearance_count;
+  return true;
+}
+
+LandmarkRows Map::rows(int slot) {
+  const int anchor = info(slot).anchor;
+  rows_.bring(slot, ancestry_);
+  anchor_rows_.bring(anchor, ancestry_);
+  return landmark_rows(rows_, slot, anchor_rows_, anchor);
+}
+
+void Map::refresh_place(int slot, const double* weight, double camera_z_m) {
+  const LandmarkPlace place = place_landmark(rows(slot), weight, particles_, camera_z_m);
+  LandmarkInfo& l = info(slot);
+  l.x_m = static_cast<float>(place.mean_m.x());
+  l.y_m = static_cast<float>(place.mean_m.y());
+  l.z_m = static_cast<float>(place.mean_m.z());
+  const Eigen::Matrix3d& c = place.covariance_m2;
+  const double six[6] = {c(0, 0), c(0, 1), c(0, 2), c(1, 1), c(1, 2), c(2, 2)};
+  for (int i = 0; i < 6; ++i) l.covariance_m2[i] = static_cast<float>(six[i]);
+  l.rho = static_cast<float>(place.rho);
+  l.rho_sigma = static_cast<float>(std::sqrt(std::max(place.rho_variance, 0.0)));
+}
+
+void Map::resampled(std::span<const std::uint16_t> parents) {
+  ancestry_.push(parents);
+  for (int k = 0; k < kSweepLandmarks; ++k) {
+    if (info(sweep_landmark_).state != LandmarkState::kFree) rows_.bring(sweep_landmark_, ancestry_);
+    sweep_landmark_ = (sweep_landmark_ + 1) % kMaxLandmarks;
+  }
+  for (int k = 0; k < kSweepAnchors; ++k) {
+    if (anchor_users_[static_cast<std::size_t>(sweep_anchor_)] > 0) {
+      anchor_rows_.bring(sweep_anchor_, ancestry_);
+    }
+    sweep_anchor_ = (sweep_anchor_ + 1) % kMaxAnchors;
+  }
+}
+
+float Map::best_ncc(int slot, const Patch& patch, float direction_rad, float max_turn_rad) const {
+  float best = -1.0F;
+  for (int i = info(slot).first_appearance; i >= 0; i = appearance(i).next) {
+    const Appearance& a = appearance(i);
+    const double turn = wrap_angle(static_cast<double>(a.direction_rad - direction_rad));
+    if (std::abs(turn) > static_cast<double>(max_turn_rad)) continue;
+    best = std::max(best, ncc(a.patch, patch));
+  }
+  return best;
+}
+
+}  // namespace zenith

@@ -1,0 +1,77 @@
+#pragma once
+// The map's store: landmarks, their anchors, their looks. Fixed capacities; full rejects.
+
+#include <cstdint>
+#include <span>
+
+#include "platform/base/arena.h"
+#include "slam/filter/ancestry.h"
+#include "slam/filter/landmark.h"
+#include "slam/map/landmark_info.h"
+
+namespace zenith {
+
+class Map {
+ public:
+  void layout(Arena& arena, int particles);
+  // After layout over a real block: makes everything free.
+  void reset();
+
+  // A new tentative landmark at an anchor; -1 when full.
+  int create(int anchor);
+  void remove(int slot);
+
+  // The camera rows of this frame as an anchor; -1 when full. An anchor that no landmark holds
+  // after release_if_unused() is free again.
+  int create_anchor(const CameraRows& camera);
+  void release_if_unused(int anchor);
+
+  // Adds a look; false when the landmark has kMaxAppearances or the pool is empty.
+  bool add_appearance(int slot, const Patch& patch, const CompactPatch& compact,
+                      float direction_rad);
+
+  // The landmark's rows at today's generation.
+  LandmarkRows rows(int slot);
+  // Recomputes the cached place from the rows.
+  void refresh_place(int slot, const double* weight, double camera_z_m);
+
+  // A resampling happened. Also brings some rows up to date in turn, so that none grows older than
+  // the ancestry remembers.
+  void resampled(std::span<const std::uint16_t> parents);
+
+  std::span<LandmarkInfo> landmarks() { return infos_.first(static_cast<std::size_t>(slots_used_)); }
+  std::span<const LandmarkInfo> landmarks() const {
+    return infos_.first(static_cast<std::size_t>(slots_used_));
+  }
+  LandmarkInfo& info(int slot) { return infos_[static_cast<std::size_t>(slot)]; }
+  const LandmarkInfo& info(int slot) const { return infos_[static_cast<std::size_t>(slot)]; }
+  const Appearance& appearance(int i) const { return pool_[static_cast<std::size_t>(i)]; }
+  int size() const { return size_; }
+  int anchors_used() const { return anchors_used_; }
+  std::uint32_t next_id() const { return next_id_; }
+
+  // The best NCC of a patch over the landmark's looks; only looks whose direction agrees within
+  // `max_turn_rad` count. `direction_rad` is the patch's, in the start frame.
+  float best_ncc(int slot, const Patch& patch, float direction_rad, float max_turn_rad) const;
+
+ private:
+  int particles_ = 0;
+  int size_ = 0;
+  int slots_used_ = 0;  // all used slots lie below
+  int anchors_used_ = 0;
+  std::uint32_t next_id_ = 1;
+  int free_appearance_ = -1;
+  int sweep_landmark_ = 0;
+  int sweep_anchor_ = 0;
+
+  Ancestry ancestry_;
+  LandmarkRowStore rows_;
+  AnchorRowStore anchor_rows_;
+  std::span<LandmarkInfo> infos_;
+  std::span<std::int32_t> free_slots_;  // a stack; the lowest slot on top at start
+  std::span<std::int32_t> anchor_users_;
+  std::span<std::int32_t> free_anchors_;
+  std::span<Appearance> pool_;
+};
+
+}  // namespace zenith
