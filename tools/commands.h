@@ -1,0 +1,19 @@
+#pragma once
+// The subcommands of `zenith`. Each adds itself to the command line; when it was chosen, its
+// callback runs and leaves the exit code: 0 done, 1 failed, 2 wrong use.
+
+#include <CLI/CLI.hpp>
+
+#include "platform/base/result.h"
+
+namespace zenith::tools {
+
+void add_sim_command(CLI::App& app, int& exit_code);
+void add_replay_command(CLI::App& app, int& exit_code);
+void add_eval_command(CLI::App& app, int& exit_code);
+void add_demo_command(CLI::App& app, int& exit_code);
+
+// Prints "zenith: error: ..." and returns exit code 1.
+int fail(const Error& error);
+
+}  // namespace zenith::tools

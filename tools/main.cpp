@@ -1,0 +1,53 @@
+// zenith: the command line tool around the robots. One file per subcommand: cmd_*.cpp.
+
+#include <cstdio>
+#include <exception>
+
+#include "tools/commands.h"
+#include "tools/overrides.h"
+
+namespace {
+
+constexpr const char* kFooter =
+    R"(Start here:
+  zenith demo                          two robots, one map, a picture: no hardware needed
+  zenith sim corridor-rooms --out rec  write simulated recordings
+  zenith replay rec/* --out out        map them, together
+  zenith eval corridor-rooms           figures against the ground truth
+
+`zenith COMMAND --help` explains a command with examples; `zenith --parameters` lists what
+`--set key=value` can change.)";
+
+int run(int argc, char** argv) {
+  using namespace zenith::tools;
+  int exit_code = 0;
+  CLI::App app("One map by many robots that look at the ceiling.", "zenith");
+  app.footer(kFooter);
+  app.set_version_flag("--version", "zenith " ZENITH_VERSION);
+  app.require_subcommand(0, 1);
+  bool list_parameters = false;
+  app.add_flag("--parameters", list_parameters, "list the parameters of the algorithm");
+  add_eval_command(app, exit_code);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  if (list_parameters) {
+    std::printf("%s", describe_parameters().c_str());
+  } else if (app.get_subcommands().empty()) {
+    std::printf("%s", app.help().c_str());
+  }
+  return exit_code;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "zenith: error: %s\n", error.what());
+    return 1;
+  }
+}

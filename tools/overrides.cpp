@@ -1,0 +1,137 @@
+#include "tools/overrides.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <numeric>
+#include <optional>
+
+namespace zenith::tools {
+namespace {
+
+std::size_t edit_distance(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t above = row[j];
+      const std::size_t change = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+      row[j] = std::min({row[j] + 1, row[j - 1] + 1, change});
+      diagonal = above;
+    }
+  }
+  return row[b.size()];
+}
+
+std::optional<double> parse_number(const std::string& text) {
+  double value = 0.0;
+  const char* end = text.data() + text.size();
+  const auto [stop, status] = std::from_chars(text.data(), end, value);
+  if (status != std::errc() || stop != end || !std::isfinite(value)) return std::nullopt;
+  return value;
+}
+
+std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%g", value);
+  return text;
+}
+
+const ParameterInfo* find_parameter(const std::string& key) {
+  for (const ParameterInfo& info : parameter_table()) {
+    if (info.key == key) return &info;
+  }
+  return nullptr;
+}
+
+std::string unknown_key(const std::string& key) {
+  std::vector<std::string> known;
+  for (const ParameterInfo& info : parameter_table()) known.emplace_back(info.key);
+  std::string message = "unknown parameter '" + key + "'";
+  const auto near = nearest_words(key, known);
+  for (std::size_t i = 0; i < near.size(); ++i) {
+    message += (i == 0 ? "; did you mean '" : "' or '") + near[i];
+  }
+  return message + (near.empty() ? "" : "'?");
+}
+
+// Empty when the assignment was applied, otherwise what is wrong with it.
+std::string apply_one(Parameters& parameters, const std::string& assignment) {
+  const std::size_t equals = assignment.find('=');
+  if (equals == std::string::npos || equals == 0) {
+    return "'" + assignment + "' is no assignment: write key=value";
+  }
+  const std::string key = assignment.substr(0, equals);
+  const std::string text = assignment.substr(equals + 1);
+  const ParameterInfo* info = find_parameter(key);
+  if (info == nullptr) return unknown_key(key);
+  const std::optional<double> value = parse_number(text);
+  if (!value) return key + ": '" + text + "' is no number";
+  if (*value < info->min || *value > info->max) {
+    return key + ": " + text + " is outside " + number(info->min) + " .. " + number(info->max) +
+           (info->unit.empty() ? "" : " " + std::string(info->unit));
+  }
+  if (const auto* real = std::get_if<double Parameters::*>(&info->field)) {
+    parameters.*(*real) = *value;
+    return {};
+  }
+  if (*value != std::floor(*value)) return key + ": " + text + " is no whole number";
+  parameters.*(*std::get_if<int Parameters::*>(&info->field)) = static_cast<int>(*value);
+  return {};
+}
+
+}  // namespace
+
+std::vector<std::string> nearest_words(const std::string& word,
+                                       const std::vector<std::string>& known) {
+  std::vector<std::pair<std::size_t, std::string>> ranked;
+  for (const std::string& candidate : known) {
+    const bool contains = word.size() >= 3 && candidate.find(word) != std::string::npos;
+    const std::size_t distance = contains ? 1 : edit_distance(word, candidate);
+    if (distance <= std::max<std::size_t>(2, word.size() / 3)) {
+      ranked.emplace_back(distance, candidate);
+    }
+  }
+  std::sort(ranked.begin(), ranked.end());
+  std::vector<std::string> nearest;
+  for (const auto& [distance, candidate] : ranked) {
+    if (nearest.size() < 3) nearest.push_back(candidate);
+  }
+  return nearest;
+}
+
+Result<Parameters> apply_overrides(const Parameters& base,
+                                   const std::vector<std::string>& assignments) {
+  Parameters parameters = base;
+  std::string problems;
+  for (const std::string& assignment : assignments) {
+    const std::string problem = apply_one(parameters, assignment);
+    if (!problem.empty()) problems += (problems.empty() ? "--set " : "\n--set ") + problem;
+  }
+  if (!problems.empty()) return Error{problems};
+  return parameters;
+}
+
+std::string describe_parameters() {
+  const Parameters defaults;
+  std::string text;
+  for (const ParameterInfo& info : parameter_table()) {
+    const auto* real = std::get_if<double Parameters::*>(&info.field);
+    const double value =
+        real != nullptr
+            ? defaults.*(*real)
+            : static_cast<double>(defaults.*(*std::get_if<int Parameters::*>(&info.field)));
+    char line[256];
+    std::snprintf(line, sizeof line, "  %-28s %-8s [%s .. %s] %s\n", std::string(info.key).c_str(),
+                  number(value).c_str(), number(info.min).c_str(), number(info.max).c_str(),
+                  std::string(info.unit).c_str());
+    text += line;
+    text += "      " + std::string(info.text) + "\n";
+  }
+  return text;
+}
+
+}  // namespace zenith::tools

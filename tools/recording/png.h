@@ -1,0 +1,20 @@
+#pragma once
+// 8-bit grey PNG files.
+
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include "platform/base/result.h"
+#include "slam/image/image.h"
+
+namespace zenith::tools {
+
+// Into `pixels`, width * height bytes. Anything but a whole 8-bit grey image of this size is an
+// error that names the file.
+Status read_grey_png(const std::filesystem::path& path, int width, int height,
+                     std::vector<std::uint8_t>& pixels);
+
+Status write_grey_png(const std::filesystem::path& path, ImageView image);
+
+}  // namespace zenith::tools

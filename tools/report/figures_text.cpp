@@ -1,0 +1,208 @@
+#include "tools/report/figures_text.h"
+
+#include <numbers>
+
+#include "tools/report/table.h"
+
+namespace zenith::tools {
+namespace {
+
+constexpr double kDegrees = 180.0 / std::numbers::pi;
+
+std::string error_text(const std::optional<TransformError>& error) {
+  if (!error) return "-";
+  return fixed(error->position_m, 3) + " m " + fixed(error->angle_rad * kDegrees, 2) + "°" +
+         (error->wrong() ? " WRONG" : "");
+}
+
+std::optional<double> ratio(const std::optional<double>& a, const std::optional<double>& b) {
+  if (!a || !b || *b <= 0.0) return std::nullopt;
+  return *a / *b;
+}
+
+double return_percent(const ReturnFigures& loop) {
+  return 100.0 * loop.before_m / loop.driven_m;
+}
+
+std::string return_text(const std::optional<ReturnFigures>& loop) {
+  if (!loop) return "-";
+  return fixed(loop->before_m, 3) + " m (" + fixed(return_percent(*loop), 2) + " %) > " +
+         fixed(loop->after_m, 3) + " m";
+}
+
+std::string robots_text(const TeamFigures& figures) {
+  Table table({"robot", "way m", "ATE m", "odometry m", "ratio", "return, before > after",
+               "landmarks", "step ms med", "95 %", "max"});
+  for (const RobotFigures& robot : figures.robots) {
+    table.add({robot.name, fixed(robot.true_path_m ? *robot.true_path_m : robot.path_m, 1),
+               fixed(robot.ate_m, 3), fixed(robot.odometry_ate_m, 3),
+               fixed(ratio(robot.ate_m, robot.odometry_ate_m), 2), return_text(robot.loop),
+               std::to_string(robot.landmarks), fixed(robot.step.median_ms, 2),
+               fixed(robot.step.p95_ms, 2), fixed(robot.step.max_ms, 2)});
+  }
+  return table.text(2);
+}
+
+std::string pairs_text(const TeamFigures& figures) {
+  Table table({"pair", "overlap s", "merge s", "driven m", "at merge", "20 s later", "at the end",
+               "common", "double", "withdrawn", "false"});
+  for (const PairFigures& pair : figures.pairs) {
+    const auto own = static_cast<std::size_t>(pair.own);
+    const auto peer = static_cast<std::size_t>(pair.peer);
+    table.add({figures.robots[own].name + " < " + figures.robots[peer].name,
+               fixed(pair.overlap_time_s, 1), fixed(pair.merge_time_s, 1),
+               fixed(pair.driven_till_merge_m, 1), error_text(pair.at_merge),
+               error_text(pair.later), error_text(pair.at_end), std::to_string(pair.fused),
+               std::to_string(pair.duplicates), std::to_string(pair.withdrawn),
+               std::to_string(pair.false_merges)});
+  }
+  return table.empty() ? "" : table.text(2);
+}
+
+// The values of one figure over all runs.
+struct Collected {
+  std::vector<double> ate, odometry, ratio, return_percent, return_after, step_median, step_p95,
+      step_max;
+  std::vector<double> driven, merge_m, merge_deg, later_m, later_deg, end_m, end_deg, circle_m;
+  int robots = 0, pairs = 0, merged = 0, wrong = 0, false_merges = 0, withdrawn = 0, doubles = 0;
+};
+
+void collect_robot(const RobotFigures& robot, Collected& all) {
+  ++all.robots;
+  if (robot.ate_m) all.ate.push_back(*robot.ate_m);
+  if (robot.odometry_ate_m) all.odometry.push_back(*robot.odometry_ate_m);
+  if (const auto r = ratio(robot.ate_m, robot.odometry_ate_m)) all.ratio.push_back(*r);
+  if (robot.loop) {
+    all.return_percent.push_back(return_percent(*robot.loop));
+    all.return_after.push_back(robot.loop->after_m);
+  }
+  all.step_median.push_back(robot.step.median_ms);
+  all.step_p95.push_back(robot.step.p95_ms);
+  all.step_max.push_back(robot.step.max_ms);
+}
+
+void collect_error(const std::optional<TransformError>& error, std::vector<double>& metres,
+                   std::vector<double>& degrees) {
+  if (!error) return;
+  metres.push_back(error->position_m);
+  degrees.push_back(error->angle_rad * kDegrees);
+}
+
+void collect_pair(const PairFigures& pair, Collected& all) {
+  ++all.pairs;
+  all.merged += pair.merged_at_end ? 1 : 0;
+  all.wrong += pair.at_end && pair.at_end->wrong() ? 1 : 0;
+  all.false_merges += pair.false_merges;
+  all.withdrawn += pair.withdrawn;
+  all.doubles += pair.duplicates;
+  if (pair.driven_till_merge_m) all.driven.push_back(*pair.driven_till_merge_m);
+  collect_error(pair.at_merge, all.merge_m, all.merge_deg);
+  collect_error(pair.later, all.later_m, all.later_deg);
+  collect_error(pair.at_end, all.end_m, all.end_deg);
+}
+
+std::string error_summary(const std::vector<double>& metres, const std::vector<double>& degrees) {
+  return median_and_worst(metres, 3) + " m, " + median_and_worst(degrees, 2) + "°";
+}
+
+nlohmann::json optional_json(const std::optional<double>& value) {
+  return value ? nlohmann::json(*value) : nlohmann::json();
+}
+
+nlohmann::json error_json(const std::optional<TransformError>& error) {
+  if (!error) return {};
+  return {{"position_m", error->position_m},
+          {"angle_deg", error->angle_rad * kDegrees},
+          {"wrong", error->wrong()}};
+}
+
+nlohmann::json robot_json(const RobotFigures& robot) {
+  nlohmann::json json = {
+      {"name", robot.name},
+      {"frames", robot.frames},
+      {"duration_s", robot.duration_s},
+      {"path_m", robot.path_m},
+      {"true_path_m", optional_json(robot.true_path_m)},
+      {"ate_m", optional_json(robot.ate_m)},
+      {"odometry_ate_m", optional_json(robot.odometry_ate_m)},
+      {"landmarks", robot.landmarks},
+      {"step_ms",
+       {{"median", robot.step.median_ms}, {"p95", robot.step.p95_ms}, {"max", robot.step.max_ms}}}};
+  if (robot.loop) {
+    json["return"] = {{"time_s", robot.loop->time_s},
+                      {"driven_m", robot.loop->driven_m},
+                      {"before_m", robot.loop->before_m},
+                      {"before_percent", return_percent(*robot.loop)},
+                      {"after_m", robot.loop->after_m}};
+  }
+  return json;
+}
+
+nlohmann::json pair_json(const TeamFigures& figures, const PairFigures& pair) {
+  return {{"robot", figures.robots[static_cast<std::size_t>(pair.own)].name},
+          {"peer", figures.robots[static_cast<std::size_t>(pair.peer)].name},
+          {"merges", pair.merges},
+          {"merged_at_end", pair.merged_at_end},
+          {"withdrawn", pair.withdrawn},
+          {"false_merges", pair.false_merges},
+          {"merge_time_s", optional_json(pair.merge_time_s)},
+          {"overlap_time_s", optional_json(pair.overlap_time_s)},
+          {"driven_till_merge_m", optional_json(pair.driven_till_merge_m)},
+          {"error_at_merge", error_json(pair.at_merge)},
+          {"error_20_s_later", error_json(pair.later)},
+          {"error_at_end", error_json(pair.at_end)},
+          {"fused_landmarks", pair.fused},
+          {"duplicates", pair.duplicates}};
+}
+
+}  // namespace
+
+std::string figures_text(const TeamFigures& figures) {
+  std::string text = robots_text(figures) + pairs_text(figures);
+  if (figures.circle) text += "  circle of transforms: " + error_text(figures.circle) + "\n";
+  return text;
+}
+
+std::string summary_text(std::span<const TeamFigures> runs) {
+  Collected all;
+  for (const TeamFigures& run : runs) {
+    for (const RobotFigures& robot : run.robots) collect_robot(robot, all);
+    for (const PairFigures& pair : run.pairs) collect_pair(pair, all);
+    if (run.circle) all.circle_m.push_back(run.circle->position_m);
+  }
+  Table table({"figure", "median / worst"});
+  table.add({"ATE m", median_and_worst(all.ate, 3)});
+  table.add({"ATE of odometry alone m", median_and_worst(all.odometry, 3)});
+  table.add({"ratio of the two", median_and_worst(all.ratio, 2)});
+  if (!all.return_percent.empty()) {
+    table.add({"error at the return, % of way", median_and_worst(all.return_percent, 2)});
+    table.add({"error after the return m", median_and_worst(all.return_after, 3)});
+  }
+  if (all.pairs > 0) {
+    const auto of_pairs = " of " + std::to_string(all.pairs);
+    table.add({"merged at the end", std::to_string(all.merged) + of_pairs});
+    table.add({"of these wrong", std::to_string(all.wrong)});
+    table.add({"merges wrong at their moment", std::to_string(all.false_merges)});
+    table.add({"merges withdrawn", std::to_string(all.withdrawn)});
+    table.add({"driven in the overlap till merge m", median_and_worst(all.driven, 1)});
+    table.add({"transform error at merge", error_summary(all.merge_m, all.merge_deg)});
+    table.add({"transform error 20 s later", error_summary(all.later_m, all.later_deg)});
+    table.add({"transform error at the end", error_summary(all.end_m, all.end_deg)});
+    table.add({"landmarks left double", std::to_string(all.doubles)});
+  }
+  if (!all.circle_m.empty()) table.add({"circle closure m", median_and_worst(all.circle_m, 3)});
+  table.add({"step median ms", median_and_worst(all.step_median, 2)});
+  table.add({"step 95 % ms", median_and_worst(all.step_p95, 2)});
+  table.add({"step longest ms", median_and_worst(all.step_max, 2)});
+  return table.text(2);
+}
+
+nlohmann::json figures_json(const TeamFigures& figures) {
+  nlohmann::json json = {{"robots", nlohmann::json::array()}, {"pairs", nlohmann::json::array()}};
+  for (const RobotFigures& robot : figures.robots) json["robots"].push_back(robot_json(robot));
+  for (const PairFigures& pair : figures.pairs) json["pairs"].push_back(pair_json(figures, pair));
+  json["circle_closure"] = error_json(figures.circle);
+  return json;
+}
+
+}  // namespace zenith::tools

@@ -1,0 +1,29 @@
+#pragma once
+// A simulated drive as a source, rendered frame by frame: nothing is written to disk.
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "platform/base/result.h"
+#include "slam/parameters.h"
+#include "tools/runner/source.h"
+
+namespace zenith::tools {
+
+struct SimulatedTeam {
+  std::string world;
+  std::vector<std::unique_ptr<Source>> sources;
+};
+
+// Only what the rectified image can see is rendered. `duration_s` 0: as long as the world says.
+Result<SimulatedTeam> simulate_team(const std::string& world, std::uint64_t seed, double duration_s,
+                                    const Parameters& parameters);
+
+// From the optical axis to the farthest direction that the rectified image shows, for a camera
+// that is tilted as in `robot`: corner of the image, tilt, and a margin.
+double max_view_angle_deg(const Parameters& parameters, const RobotConfig& robot);
+
+}  // namespace zenith::tools
