@@ -2,7 +2,7 @@
 add_library(zenith_warnings INTERFACE)
 target_compile_options(zenith_warnings INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
-  -Wnon-virtual-dtor -Woverloaded-virtual -Wnull-dereference -Wformat=2 -Wimplicit-fallthrough)
+  -Wnon-virtual-dtor -Woverloaded-virtual -Wformat=2 -Wimplicit-fallthrough)
 if(ZENITH_WERROR)
   target_compile_options(zenith_warnings INTERFACE -Werror)
 endif()

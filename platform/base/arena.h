@@ -2,12 +2,12 @@
 // Fixed memory: one block, handed out once at start, never given back.
 //
 // The same layout code runs twice: over an Arena without a block it only counts the bytes
-// (memory_needed), over a real block it hands out aligned, zeroed arrays. Running out is a
+// (memory_needed), over a real block it hands out aligned, value-initialised arrays. Running out is a
 // programmer's mistake, for the block's size came from the first run.
 
 #include <cassert>
 #include <cstddef>
-#include <cstring>
+#include <memory>
 #include <span>
 #include <type_traits>
 
@@ -23,19 +23,19 @@ class Arena {
   bool counting() const { return block_.data() == nullptr; }
   std::size_t used() const { return used_; }
 
-  // `count` zeroed Ts; an empty span while counting.
+  // `count` value-initialised Ts; an empty span while counting.
   template <typename T>
   std::span<T> take(std::size_t count) {
     static_assert(std::is_trivially_destructible_v<T>, "nobody will destroy it");
-    static_assert(std::is_trivially_copyable_v<T>, "made by zeroing bytes");
+    static_assert(alignof(T) <= kAlignment);
     const std::size_t bytes = (count * sizeof(T) + kAlignment - 1) / kAlignment * kAlignment;
     const std::size_t offset = used_;
     used_ += bytes;
     if (counting()) return {};
     assert(used_ <= block_.size());
-    std::byte* start = block_.data() + offset;
-    std::memset(start, 0, bytes);
-    return {reinterpret_cast<T*>(start), count};
+    T* start = reinterpret_cast<T*>(block_.data() + offset);
+    std::uninitialized_value_construct_n(start, count);
+    return {start, count};
   }
 
  private:

@@ -1,0 +1,102 @@
+#pragma once
+// One robot's own SLAM: particles and map from wheels and features (paper II). Knows no peers.
+
+#include <cstdint>
+#include <span>
+
+#include "platform/base/arena.h"
+#include "platform/base/random.h"
+#include "slam/features.h"
+#include "slam/filter/motion.h"
+#include "slam/filter/particles.h"
+#include "slam/filter/proposal.h"
+#include "slam/map/association.h"
+#include "slam/map/map.h"
+#include "slam/parameters.h"
+#include "slam/robot.h"
+
+namespace zenith {
+
+struct MapperCounters {
+  std::uint64_t resamplings = 0;
+  std::uint64_t landmarks_created = 0;
+  std::uint64_t landmarks_promoted = 0;
+  std::uint64_t landmarks_pruned = 0;
+  std::uint64_t landmarks_evicted = 0;
+  std::uint64_t landmarks_rejected_full = 0;
+  std::uint64_t appearances_rejected_full = 0;
+  std::uint64_t candidates_rejected_full = 0;
+  std::uint64_t loops_closed = 0;
+};
+
+using Candidates = FixedVector<Candidate, kMaxCandidates>;
+
+class Mapper {
+ public:
+  void layout(Arena& arena, const Parameters& parameters);
+  void build(const RobotConfig& robot, const Parameters& parameters, std::uint64_t seed);
+
+  // Whether the robot moved enough since the last used frame for this one to tell anything new.
+  bool worth_using(const WheelTravel& travel) const;
+
+  // One used frame; `travel` of the wheels since the last used one.
+  void update(const WheelTravel& travel, const Features& features, const FeatureExtractor& view);
+
+  const Particles& particles() const { return particles_; }
+  const PoseEstimate& pose() const { return pose_; }
+  const Map& map() const { return map_; }
+  Map& map() { return map_; }
+  // This frame's predicted landmarks with their matches.
+  std::span<const Candidate> candidates() const { return candidates_[0].span(); }
+  double travelled_m() const { return travelled_m_; }
+  double effective_sample_size() const { return effective_; }
+  bool loop_closing() const { return loop_closing_; }
+  const MapperCounters& counters() const { return counters_; }
+  Eigen::Vector2d lever_m() const { return {robot_.mount.x_m, robot_.mount.y_m}; }
+  const RobotConfig& robot() const { return robot_; }
+
+ private:
+  void predict_candidates(const FeatureExtractor& view);
+  bool predict_candidate(int slot, const FeatureExtractor& view, Candidate& out);
+  void associate(const Features& features);
+  bool try_loop(const Features& features, const Eigen::Matrix3d& prior,
+                const PoseCorrection& recent);
+  void follow_old_map();
+  void weigh_and_move(const Features& features);
+  void update_landmarks(const Features& features);
+  void note_observation(const Candidate& c, const Feature& f);
+  void keep(const Candidates& candidates);
+  void start_landmarks(const Features& features);
+  bool near_candidate(const Feature& f) const;
+  void evict_one();
+  void resample_if_needed();
+  Eigen::Matrix3d spread_in_body() const;
+
+  RobotConfig robot_;
+  Parameters p_;
+  AssociationSettings association_;
+  Random random_{0};
+  double pixel_ = 0.0;  // of the level image, in tangents
+  float noise_ = 0.0F;  // variance of an observation, tangents squared
+  Particles particles_;
+  PoseEstimate pose_;
+  Map map_;
+  Associator associator_;
+  MotionIncrement motion_;
+  ProposalRows proposal_;
+  PredictionRows prediction_;
+  std::span<Candidates> candidates_;
+  std::span<std::uint16_t> parents_;
+  std::span<double> resample_scratch_;
+  std::array<bool, kMaxCorners> corner_used_ = {};
+  PoseCorrection correction_;
+  bool loop_closing_ = false;
+  bool first_ = true;
+  double travelled_m_ = 0.0;
+  double anchor_travel_m_ = 0.0;
+  double anchor_heading_rad_ = 0.0;
+  double effective_ = 0.0;
+  MapperCounters counters_;
+};
+
+}  // namespace zenith
