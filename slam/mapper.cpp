@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 
 #include "slam/filter/resample.h"
 
@@ -16,6 +17,7 @@ constexpr int kWellInside_px = 24;
 constexpr double kSettledRadius_px = 2.5;
 constexpr double kNewLandmarkDistance_px = 5.0;
 constexpr int kEstablishedObservations = 10;
+constexpr int kEnoughToSteer = 15;
 constexpr double kTentativeWay_m = 1.0;  // a tentative landmark unseen for this long is forgotten
 
 }  // namespace
@@ -114,6 +116,12 @@ void Mapper::predict_candidates(const FeatureExtractor& view) {
     if (!predict_candidate(static_cast<int>(slot), view, c)) continue;
     if (!candidates.push_back(c)) ++counters_.candidates_rejected_full;
   }
+  // At the start, and in a place quite new, tentative landmarks must steer: across their parallax
+  // they are as good as any.
+  const auto known = std::count_if(candidates.begin(), candidates.end(),
+                                   [](const Candidate& c) { return c.promoted && !c.old; });
+  if (known >= kEnoughToSteer) return;
+  for (Candidate& c : candidates) c.promoted = true;
 }
 
 bool Mapper::predict_candidate(int slot, const FeatureExtractor& view, Candidate& c) {
@@ -296,7 +304,7 @@ void Mapper::keep(const Candidates& candidates) {
   for (const Candidate& c : candidates) {
     LandmarkInfo& l = map_.info(c.slot);
     if (c.well_inside || c.inlier) ++l.chances;
-    if (!c.inlier && (c.well_inside || !c.promoted)) ++l.misses_in_row;
+    if (!c.inlier && (c.well_inside || l.state == LandmarkState::kTentative)) ++l.misses_in_row;
     if (l.state == LandmarkState::kTentative) {
       const double z = static_cast<double>(l.z_m);
       const bool known = static_cast<double>(l.rho_sigma) <

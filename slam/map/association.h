@@ -31,7 +31,7 @@ struct Feature {
 // A landmark predicted into the image, averaged over the particles.
 struct Candidate {
   int slot = -1;
-  bool promoted = false;
+  bool promoted = false;       // or as good as: it may steer
   bool old = false;            // not seen for a long way: perhaps the loop closes
   bool well_inside = false;    // a detector should find it
   Eigen::Vector2d m = Eigen::Vector2d::Zero();
