@@ -1,0 +1,60 @@
+#pragma once
+// Search of common landmarks in a peer's map from one frame (paper III-A): similar looks, similar
+// heights.
+
+#include <span>
+
+#include <Eigen/Core>
+
+#include "platform/base/fixed_vector.h"
+#include "slam/capacity.h"
+#include "slam/fleet/peer_map.h"
+
+namespace zenith {
+
+// An own landmark seen in this frame.
+struct Observed {
+  int slot = -1;
+  std::uint32_t id = 0;
+  Eigen::Vector2d from_robot_m = Eigen::Vector2d::Zero();  // base_link, by this frame alone
+  Eigen::Vector2d place_m = Eigen::Vector2d::Zero();       // own start frame, by the map
+  Eigen::Matrix2d covariance_m2 = Eigen::Matrix2d::Identity();
+  double z_m = 0.0;
+  double z_sigma_m = 0.0;
+  float orientation_rad = 0.0F;  // of the patch, robot axes
+  CompactPatch compact;
+};
+using ObservedFrame = FixedVector<Observed, kMaxCorners>;
+
+// A peer's landmark that may be an observed one. The two directions of the patch tell the robot's
+// heading in the peer's frame.
+struct OverlapMatch {
+  int observed = -1;
+  int peer_slot = -1;
+  float ncc = 0.0F;
+  float heading_rad = 0.0F;
+  float weight = 0.0F;  // a look that fits many landmarks says little about the place
+};
+inline constexpr int kMatchesPerObserved = 12;
+using OverlapMatches = FixedVector<OverlapMatch, kMaxCorners * kMatchesPerObserved>;
+
+struct OverlapSettings {
+  float ncc_min = 0.75F;
+  double height_tolerance_m = 0.15;  // besides three sigmas of both
+};
+
+// The best look of a peer's landmark for a patch.
+struct LookMatch {
+  float ncc = -1.0F;
+  float direction_rad = 0.0F;
+};
+LookMatch best_look(const PeerLandmark& landmark, const CompactPatch& patch);
+
+// The best landmarks of the peer for every observed one.
+void find_overlap(const ObservedFrame& frame, const PeerMap& peer, const OverlapSettings& settings,
+                  OverlapMatches& out);
+
+// Whether two heights may be the same landmark's.
+bool heights_agree(const Observed& own, const PeerLandmark& peer, double tolerance_m);
+
+}  // namespace zenith
