@@ -130,6 +130,27 @@ void FloorPlan::fill_cells(const Rect& rect, double height, FacetId first, bool 
   }
 }
 
+// A wall is open where a door or another room begins beyond it.
+void FloorPlan::cut_holes(const WorldFile& world) {
+  const auto cut = [this](Facet& wall, const Rect& r, double height) {
+    const bool low_side = wall.part == FacetPart::kWest || wall.part == FacetPart::kSouth;
+    const bool along_y = wall.axis == 0;
+    const double edge = along_y ? (low_side ? r.x1 : r.x0) : (low_side ? r.y1 : r.y0);
+    const auto a0 = static_cast<float>(along_y ? r.y0 : r.x0);
+    const auto a1 = static_cast<float>(along_y ? r.y1 : r.x1);
+    if (std::abs(edge - static_cast<double>(wall.offset)) > 1e-4) return;
+    if (a1 <= wall.a0 || a0 >= wall.a1) return;
+    holes_.push_back({a0, a1, -1.0F, static_cast<float>(height)});
+    ++wall.hole_count;
+  };
+  for (Facet& wall : facets_) {
+    wall.first_hole = static_cast<std::uint32_t>(holes_.size());
+    if (wall.owner != FacetOwner::kRoom || wall.axis == 2) continue;
+    for (const DoorSpec& door : world.doors) cut(wall, door.rect, door.height_m);
+    for (const RoomSpec& room : world.rooms) cut(wall, room.rect, room.ceiling_m);
+  }
+}
+
 Result<FloorPlan> FloorPlan::build(const WorldFile& world) {
   if (const Status checked = check(world); !checked) return checked.error();
   if (5 * (world.rooms.size() + world.doors.size() + world.boxes.size()) > kMaxFacets) {
@@ -160,6 +181,7 @@ Result<FloorPlan> FloorPlan::build(const WorldFile& world) {
                                           ceiling - box.drop_m, ceiling);
     plan.fill_cells(box.rect, ceiling - box.drop_m, first, true);
   }
+  plan.cut_holes(world);
   return plan;
 }
 

@@ -31,6 +31,13 @@ struct Facet {
   FacetOwner owner = FacetOwner::kFloor;
   std::size_t index = 0;  // of the room, door or box in the world file
   FacetPart part = FacetPart::kHorizontal;
+  // Openings in it, as a range of FloorPlan::holes(): rectangles in (a, b).
+  std::uint32_t first_hole = 0;
+  std::uint32_t hole_count = 0;
+};
+
+struct Hole {
+  float a0 = 0.0F, a1 = 0.0F, b0 = 0.0F, b1 = 0.0F;
 };
 
 struct Cell {
@@ -45,6 +52,7 @@ class FloorPlan {
   static Result<FloorPlan> build(const WorldFile& world);
 
   const std::vector<Facet>& facets() const { return facets_; }
+  const Hole* holes(const Facet& facet) const { return holes_.data() + facet.first_hole; }
 
   // The grid of cells between all edges' coordinates.
   const std::vector<double>& xs() const { return xs_; }
@@ -63,8 +71,10 @@ class FloorPlan {
                      double side_z0, double side_z1);
   void collect_edges(const WorldFile& world);
   void fill_cells(const Rect& rect, double height, FacetId first, bool is_box);
+  void cut_holes(const WorldFile& world);
 
   std::vector<Facet> facets_;
+  std::vector<Hole> holes_;
   std::vector<double> xs_;
   std::vector<double> ys_;
   std::vector<Cell> cells_;

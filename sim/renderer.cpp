@@ -52,6 +52,16 @@ int clamped_level(float level) {
   return level <= 0.0F ? 0 : std::min(static_cast<int>(level), kMipLevels - 1);
 }
 
+bool covers(const FloorPlan& plan, const Facet& facet, float a, float b) {
+  if (a < facet.a0 || a > facet.a1 || b < facet.b0 || b > facet.b1) return false;
+  const Hole* holes = plan.holes(facet);
+  for (std::uint32_t i = 0; i < facet.hole_count; ++i) {
+    const Hole& hole = holes[i];
+    if (a > hole.a0 && a < hole.a1 && b > hole.b0 && b < hole.b1) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 struct Renderer::Eye {
@@ -187,10 +197,10 @@ float Renderer::shade_edge(const Eye& eye, const PixelRay& ray, const FacetId* a
       const float t = (facet.offset - c.x) / q.x;
       const float a = c.y + t * q.y;
       const float b = c.z + t * q.z;
-      const bool on = a >= facet.a0 && a <= facet.a1 && b >= facet.b0 && b <= facet.b1;
+      const bool on = t > 0.0F && t < nearest && covers(plan_, facet, a, b);
       // The first one stands in for a hit that none of them has.
-      if ((on && t > 0.0F && t < nearest) || i == 0) {
-        nearest = on && t > 0.0F ? t : nearest;
+      if (on || i == 0) {
+        nearest = on ? t : nearest;
         hit = around[i];
         hit_a = a - facet.a0;
         hit_b = b - facet.b0;

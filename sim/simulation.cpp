@@ -93,7 +93,7 @@ bool RobotDrive::next(SimFrame& frame, std::vector<CanFrame>& can) {
   const auto& radiance = s.renderer.render(camera_motion(s.run, time_s, s.exposure_s()));
   Random noise = random_stream(mix_seed(s.world.seed, "noise", s.robot), "frame",
                                static_cast<std::uint64_t>(s.next_frame));
-  s.sensor.develop(radiance, s.camera.width(), noise, frame.pixels);
+  s.sensor.develop(radiance, noise, frame.pixels);
   while (s.next_can < s.bus.size()) {
     const CanFrame& next = s.bus[s.next_can++];
     can.push_back(next);

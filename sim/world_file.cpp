@@ -97,6 +97,7 @@ void read_camera(const toml::table& table, TomlErrors& errors, CameraSpec& camer
   in.number("exposure_ms", camera.exposure_ms, 0.0, 60.0);
   in.number("full_well_e", camera.full_well_e, 500.0, 1e6);
   in.number("read_noise_e", camera.read_noise_e, 0.0, 1000.0);
+  in.number("blur_px", camera.blur_px, 0.0, 0.7);
   in.finish();
 }
 

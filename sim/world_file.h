@@ -67,6 +67,7 @@ struct CameraSpec {
   double exposure_ms = 8.0;
   double full_well_e = 12000.0;  // electrons at pixel value 255
   double read_noise_e = 15.0;
+  double blur_px = 0.5;          // standard deviation of the lens's point spread
 };
 
 // Standard deviations of what the calibration gets wrong; drawn once per robot and seed.
