@@ -133,7 +133,7 @@ TEST(RigidFit, FindsTheMotionThatMadeThePoints) {
   const std::vector<Eigen::Vector2d> a = {{0.0, 0.0}, {3.0, 1.0}, {-1.0, 4.0}};
   std::vector<Eigen::Vector2d> b;
   for (const auto& p : a) b.push_back(T * p);
-  const RigidFit fit = fit_rigid(a, b);
+  const RigidFit fit = fit_points(a, b);
   EXPECT_NEAR(fit.T_b_a.x_m, T.x_m, 1e-12);
   EXPECT_NEAR(fit.T_b_a.y_m, T.y_m, 1e-12);
   EXPECT_NEAR(fit.T_b_a.theta_rad, T.theta_rad, 1e-12);

@@ -18,7 +18,7 @@ struct RigidFit {
   double max_m = 0.0;
 };
 
-inline RigidFit fit_rigid(const std::vector<Eigen::Vector2d>& a,
+inline RigidFit fit_points(const std::vector<Eigen::Vector2d>& a,
                           const std::vector<Eigen::Vector2d>& b) {
   RigidFit fit;
   if (a.empty() || a.size() != b.size()) return fit;
