@@ -133,7 +133,7 @@ void add_eval_command(CLI::App& app, int& exit_code) {
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
   eval->add_flag("!--alone", options->plan.share_maps, "robots do not tell each other anything");
-  eval->add_option("--set", options->assignments, "key=value: change a parameter; repeatable");
+  add_set_option(*eval, options->assignments);
   eval->add_option("--json", options->json_path, "write all figures to this file");
   eval->callback([options, &exit_code] { exit_code = run_eval(*options); });
 }

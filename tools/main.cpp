@@ -27,6 +27,9 @@ int run(int argc, char** argv) {
   app.require_subcommand(0, 1);
   bool list_parameters = false;
   app.add_flag("--parameters", list_parameters, "list the parameters of the algorithm");
+  add_demo_command(app, exit_code);
+  add_sim_command(app, exit_code);
+  add_replay_command(app, exit_code);
   add_eval_command(app, exit_code);
   try {
     app.parse(argc, argv);

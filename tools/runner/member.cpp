@@ -36,19 +36,6 @@ Result<bool> Member::advance() {
   return more;
 }
 
-Pose2 Member::dead_reckon() {
-  for (const WheelSample& sample : frame_.wheels) wheels_.add(sample);
-  const WheelHistory::At now = wheels_.at(frame_.stamp);
-  if (!now.known) return odometry_;
-  if (travel_) {
-    const WheelTravel moved{now.total.left_m - travel_->left_m,
-                            now.total.right_m - travel_->right_m};
-    odometry_ = odometry_ * wheel_motion(source_.config().wheels, moved);
-  }
-  travel_ = now.total;
-  return odometry_;
-}
-
 void Member::step() {
   const Lens& lens = source_.config().lens;
   StepInput input;
@@ -65,7 +52,7 @@ void Member::log_step(const StepOutput& output, double step_s) {
   FrameLog log;
   log.stamp = frame_.stamp;
   log.T_start_robot = output.T_start_robot;
-  log.odometry = dead_reckon();
+  log.odometry = odometry_.advance(source_.config().wheels, frame_.stamp, frame_.wheels);
   log.truth = frame_.truth;
   log.step_s = step_s;
   log.corners = output.corners;

@@ -8,8 +8,8 @@
 #include <span>
 
 #include "platform/base/result.h"
-#include "slam/filter/motion.h"
 #include "slam/slam.h"
+#include "tools/runner/dead_reckoning.h"
 #include "tools/runner/run_log.h"
 #include "tools/runner/source.h"
 
@@ -36,7 +36,6 @@ class Member {
     void operator()(std::byte* block) const { std::free(block); }
   };
 
-  Pose2 dead_reckon();
   void log_step(const StepOutput& output, double step_s);
 
   Source& source_;
@@ -47,9 +46,7 @@ class Member {
   std::optional<Slam> slam_;
   SourceFrame frame_;
   bool has_frame_ = false;
-  WheelHistory wheels_;
-  std::optional<WheelTravel> travel_;
-  Pose2 odometry_;
+  DeadReckoning odometry_;
   RobotLog log_;
 };
 

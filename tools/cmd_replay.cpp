@@ -1,0 +1,78 @@
+// zenith replay: maps from recordings.
+
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "tools/atomic_output.h"
+#include "tools/commands.h"
+#include "tools/overrides.h"
+#include "tools/progress.h"
+#include "tools/replay.h"
+#include "tools/report/figures_text.h"
+
+namespace zenith::tools {
+namespace {
+
+constexpr const char* kHelp =
+    R"(Runs the recordings through SLAM, in the order of their stamps, each as one robot named after its
+folder; the robots tell each other their landmarks at once. The same recordings, seed and
+parameters give the same output, bit for bit, but for times of computation.
+
+OUT holds summary.json, map.png, confidence.png and for each robot trajectory.tum, landmarks.csv,
+alignments.csv and confidence.csv. It appears when everything is written.
+
+Examples:
+  zenith replay rec/a rec/b --out out
+  zenith replay rec/* --out out --force --set particles=400
+  zenith replay rec/a --out out --skip-damaged)";
+
+struct ReplayCommand {
+  ReplayPlan plan;
+  std::vector<std::string> assignments;
+  std::string out;
+  bool force = false;
+};
+
+int run_replay(ReplayCommand& command) {
+  const auto parameters = apply_overrides({}, command.assignments);
+  if (!parameters.ok()) return fail(parameters.error());
+  command.plan.parameters = *parameters;
+  auto output = AtomicFolder::create(command.out, command.force, "summary.json");
+  if (!output.ok()) return fail(output.error());
+  const auto result = [&] {
+    Progress progress("mapping");
+    return replay(command.plan, output->path(),
+                  [&](double fraction) { progress.update(fraction); });
+  }();
+  if (!result.ok()) return fail(result.error());
+  if (const Status placed = output->commit(); !placed) return fail(placed.error());
+  warn(result->warnings);
+  std::printf("%s\n%s\n", figures_text(result->figures).c_str(), command.out.c_str());
+  return 0;
+}
+
+}  // namespace
+
+void add_replay_command(CLI::App& app, int& exit_code) {
+  const auto command = std::make_shared<ReplayCommand>();
+  CLI::App* replay = app.add_subcommand("replay", "Map recordings, together");
+  replay->footer(kHelp);
+  replay->add_option("RECORDING", command->plan.recordings, "recordings' folders, one a robot")
+      ->required();
+  replay->add_option("--out", command->out, "the folder to write")->required();
+  replay->add_option("--seed", command->plan.seed, "seed of the particles")->capture_default_str();
+  add_set_option(*replay, command->assignments);
+  replay
+      ->add_option("--max-gap", command->plan.reading.max_odometry_gap_s,
+                   "tell of holes in the odometry that are longer, seconds")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  replay->add_flag("--skip-damaged", command->plan.reading.skip_damaged,
+                   "leave out missing and damaged frames instead of stopping");
+  replay->add_flag("--force", command->force, "replace an older output");
+  replay->callback([command, &exit_code] { exit_code = run_replay(*command); });
+}
+
+}  // namespace zenith::tools

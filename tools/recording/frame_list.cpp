@@ -1,0 +1,60 @@
+#include "tools/recording/frame_list.h"
+
+#include <charconv>
+#include <optional>
+#include <string_view>
+
+#include "tools/recording/text_file.h"
+
+namespace zenith::tools {
+namespace {
+
+std::string_view trim(std::string_view text) {
+  const std::size_t begin = text.find_first_not_of(" \t");
+  if (begin == std::string_view::npos) return {};
+  return text.substr(begin, text.find_last_not_of(" \t") - begin + 1);
+}
+
+std::optional<ListedFrame> parse_line(std::string_view line) {
+  const std::size_t comma = line.find(',');
+  if (comma == std::string_view::npos) return std::nullopt;
+  const std::string_view stamp = trim(line.substr(0, comma));
+  const std::string_view filename = trim(line.substr(comma + 1));
+  ListedFrame frame;
+  const char* end = stamp.data() + stamp.size();
+  const auto [stop, status] = std::from_chars(stamp.data(), end, frame.stamp.ns);
+  if (stamp.empty() || status != std::errc() || stop != end || frame.stamp.ns < 0) {
+    return std::nullopt;
+  }
+  // A name, no way out of the folder.
+  if (filename.empty() || filename[0] == '.') return std::nullopt;
+  if (filename.find_first_of("/,") != std::string_view::npos) return std::nullopt;
+  frame.filename = filename;
+  return frame;
+}
+
+}  // namespace
+
+Result<std::vector<ListedFrame>> read_frame_list(const std::filesystem::path& path) {
+  auto file = TextFile::open(path);
+  if (!file.ok()) return file.error();
+  std::vector<ListedFrame> frames;
+  std::string line;
+  while (file->next(line)) {
+    if (trim(line).empty() || line[0] == '#') continue;
+    auto frame = parse_line(line);
+    if (!frame)
+      return file->error("expected 'nanoseconds,filename', found '" + line.substr(0, 80) + "'");
+    if (!frames.empty() && frame->stamp <= frames.back().stamp) {
+      return file->error("the stamp " + std::to_string(frame->stamp.ns) +
+                         " does not follow the one before, " +
+                         std::to_string(frames.back().stamp.ns));
+    }
+    frame->line = static_cast<int>(file->number());
+    frames.push_back(std::move(*frame));
+  }
+  if (frames.empty()) return Error{path.string() + ": lists no frame"};
+  return frames;
+}
+
+}  // namespace zenith::tools

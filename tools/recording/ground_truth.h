@@ -1,0 +1,29 @@
+#pragma once
+// Trajectories in TUM's format: timestamp x y z qx qy qz qw, seconds and metres.
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "platform/base/result.h"
+#include "platform/base/time.h"
+#include "slam/geometry.h"
+
+namespace zenith::tools {
+
+struct StampedPose {
+  Time stamp;
+  Pose2 pose;  // the yaw of the quaternion; height, roll and pitch are dropped
+};
+
+// Stamps rise strictly.
+Result<std::vector<StampedPose>> read_tum(const std::filesystem::path& path);
+
+// One line, with its end.
+std::string format_tum(const StampedPose& pose);
+
+// Interpolated between two poses that are at most half a second apart; else empty.
+std::optional<Pose2> pose_at(const std::vector<StampedPose>& poses, Time stamp);
+
+}  // namespace zenith::tools

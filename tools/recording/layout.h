@@ -1,0 +1,33 @@
+#pragma once
+// Where things stand in a recording's folder.
+
+#include <filesystem>
+#include <string>
+
+namespace zenith::tools::layout {
+
+using std::filesystem::path;
+
+inline path robot(const path& folder) {
+  return folder / "robot.toml";
+}
+inline path camera(const path& folder) {
+  return folder / "mav0" / "cam0";
+}
+inline path sensor(const path& folder) {
+  return camera(folder) / "sensor.yaml";
+}
+inline path frame_list(const path& folder) {
+  return camera(folder) / "data.csv";
+}
+inline path frames(const path& folder) {
+  return camera(folder) / "data";
+}
+inline path can_log(const path& folder, const std::string& interface) {
+  return folder / (interface + ".log");
+}
+inline path ground_truth(const path& folder) {
+  return folder / "groundtruth.tum";
+}
+
+}  // namespace zenith::tools::layout

@@ -1,0 +1,61 @@
+#pragma once
+// Reading a recording: a folder as it is described in layout.h.
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "platform/base/result.h"
+#include "tools/recording/frame_list.h"
+#include "tools/recording/ground_truth.h"
+#include "tools/recording/robot_file.h"
+#include "tools/runner/source.h"
+#include "tools/runner/wheel_queue.h"
+
+namespace zenith::tools {
+
+struct ReadOptions {
+  double max_odometry_gap_s = 0.5;  // longer holes while frames go on are told
+  bool skip_damaged = false;        // frames that are missing or damaged: leave out, not stop
+  bool pixels = true;               // false: stamps, wheels and truth alone; files are not opened
+};
+
+// Everything but the frames is read, and checked, when it is opened.
+class Recording : public Source {
+ public:
+  static Result<std::unique_ptr<Recording>> open(const std::filesystem::path& folder,
+                                                 const ReadOptions& options);
+
+  const std::string& name() const override { return name_; }  // of the folder
+  const RobotConfig& config() const override { return config_; }
+  int frame_count() const override { return static_cast<int>(frames_.size()); }
+  Result<bool> next(SourceFrame& frame) override;
+
+  const std::filesystem::path& folder() const { return folder_; }
+  const std::vector<StampedPose>& truth() const { return truth_; }
+  // What was odd but no reason to stop, a line each; complete at the end.
+  std::vector<std::string> warnings() const;
+
+ private:
+  Recording() = default;
+
+  Status load_description();
+  Status load_odometry(const RobotFile& robot);
+  Status check_files();
+  Status read_pixels(const ListedFrame& listed, std::vector<std::uint8_t>& pixels) const;
+
+  std::filesystem::path folder_;
+  std::string name_;
+  RobotConfig config_;
+  ReadOptions options_;
+  std::vector<ListedFrame> frames_;
+  std::vector<StampedPose> truth_;
+  std::size_t position_ = 0;
+  WheelQueue wheels_;
+  std::vector<std::string> warnings_;
+  std::size_t skipped_ = 0;
+  std::string first_skipped_;
+};
+
+}  // namespace zenith::tools

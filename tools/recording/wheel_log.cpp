@@ -1,0 +1,138 @@
+#include "tools/recording/wheel_log.h"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "tools/recording/candump.h"
+#include "tools/recording/seconds.h"
+#include "tools/recording/text_file.h"
+
+namespace zenith::tools {
+namespace {
+
+void decode_line(const CanFrame& frame, WheelDecoder& decoder, WheelLog& log) {
+  const std::uint64_t unknown = decoder.counters().unknown_ids;
+  if (const auto sample = decoder.decode(frame)) log.samples.push_back(*sample);
+  if (decoder.counters().unknown_ids != unknown) ++log.unknown_ids[frame.id];
+}
+
+std::string seconds_text(double seconds) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2f s", seconds);
+  return text;
+}
+
+std::string unknown_text(const WheelLog& log) {
+  std::size_t total = 0;
+  std::string ids;
+  std::size_t shown = 0;
+  for (const auto& [id, count] : log.unknown_ids) {
+    total += count;
+    if (++shown > 8) continue;
+    char text[48];
+    std::snprintf(text, sizeof text, "%s%X (%zu)", ids.empty() ? "" : ", ", id, count);
+    ids += text;
+  }
+  if (log.unknown_ids.size() > 8) ids += ", ...";
+  return std::to_string(total) + " frames with identifiers that the codec does not know: " + ids;
+}
+
+}  // namespace
+
+Result<WheelLog> read_wheel_log(const std::filesystem::path& path, const std::string& interface) {
+  auto file = TextFile::open(path);
+  if (!file.ok()) return file.error();
+  WheelLog log;
+  WheelDecoder decoder;
+  std::string line;
+  while (file->next(line)) {
+    CanFrame frame;
+    std::string_view name;
+    switch (parse_candump(line, frame, name)) {
+      case CandumpLine::kMalformed:
+        if (log.malformed++ == 0) log.first_malformed = file->place();
+        break;
+      case CandumpLine::kOther:
+        log.other_frames += line.empty() ? 0 : 1;
+        break;
+      case CandumpLine::kFrame:
+        if (name == interface) {
+          decode_line(frame, decoder, log);
+        } else {
+          ++log.other_interfaces;
+        }
+        break;
+    }
+  }
+  log.decoder = decoder.counters();
+  if (!log.samples.empty()) return log;
+  std::string message = path.string() + ": holds no odometry";
+  for (const std::string& trouble : describe_log(log, path)) message += "\n" + trouble;
+  return Error{message};
+}
+
+std::vector<std::string> describe_log(const WheelLog& log, const std::filesystem::path& path) {
+  std::vector<std::string> lines;
+  const std::string name = path.string() + ": ";
+  const auto tell = [&](std::uint64_t count, const std::string& what) {
+    if (count > 0) lines.push_back(name + std::to_string(count) + " " + what);
+  };
+  if (log.malformed > 0) {
+    lines.push_back(log.first_malformed +
+                    ": malformed line, expected '(seconds) interface ID#DATA'" +
+                    (log.malformed > 1 ? "; " + std::to_string(log.malformed - 1) + " more" : ""));
+  }
+  tell(log.other_interfaces, "frames of other interfaces, ignored");
+  tell(log.other_frames, "remote, FD or error frames, ignored");
+  if (!log.unknown_ids.empty()) lines.push_back(name + unknown_text(log));
+  tell(log.decoder.late, "odometry frames whose stamps go back, refused");
+  tell(log.decoder.short_frames, "odometry frames that are too short, refused");
+  tell(log.decoder.resets, "restarts of the base's counters");
+  return lines;
+}
+
+Result<std::vector<std::string>> describe_gaps(const WheelLog& log,
+                                               const std::vector<ListedFrame>& frames,
+                                               const std::filesystem::path& path,
+                                               double max_gap_s) {
+  const auto& samples = log.samples;
+  const Time first = samples.front().stamp;
+  const Time last = samples.back().stamp;
+  const auto before = [](const ListedFrame& frame, Time stamp) { return frame.stamp < stamp; };
+  const auto after = [](Time stamp, const ListedFrame& frame) { return stamp < frame.stamp; };
+  if (frames.back().stamp < first || frames.front().stamp > last) {
+    return Error{path.string() + ": odometry (" + format_seconds(first) + " .. " +
+                 format_seconds(last) + ") and frames (" + format_seconds(frames.front().stamp) +
+                 " .. " + format_seconds(frames.back().stamp) +
+                 ") have no time in common: are both stamped by the same clock?"};
+  }
+  std::vector<std::string> lines;
+  std::size_t gaps = 0;
+  std::size_t longest = 0;
+  double longest_s = 0.0;
+  for (std::size_t i = 1; i < samples.size(); ++i) {
+    const double gap = (samples[i].stamp - samples[i - 1].stamp).seconds();
+    if (gap <= max_gap_s) continue;
+    const auto frame = std::upper_bound(frames.begin(), frames.end(), samples[i - 1].stamp, after);
+    if (frame == frames.end() || frame->stamp >= samples[i].stamp) continue;
+    ++gaps;
+    if (gap > longest_s) longest = i - 1;
+    longest_s = std::max(longest_s, gap);
+  }
+  if (gaps > 0) {
+    lines.push_back(path.string() + ": " + std::to_string(gaps) + (gaps == 1 ? " gap" : " gaps") +
+                    " in the odometry while frames go on, the longest " + seconds_text(longest_s) +
+                    " after " + format_seconds(samples[longest].stamp));
+  }
+  const auto early = std::lower_bound(frames.begin(), frames.end(), first, before) - frames.begin();
+  const auto late = frames.end() - std::upper_bound(frames.begin(), frames.end(), last, after);
+  if (early > 0) {
+    lines.push_back(path.string() + ": begins after " + std::to_string(early) + " frames");
+  }
+  if (late > 0 && (frames.back().stamp - last).seconds() > max_gap_s) {
+    lines.push_back(path.string() + ": ends before the last " + std::to_string(late) + " frames");
+  }
+  return lines;
+}
+
+}  // namespace zenith::tools

@@ -1,0 +1,40 @@
+#pragma once
+// The CAN log of a recording, decoded into wheel samples.
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "drivers/odometry/wheel_decoder.h"
+#include "platform/base/result.h"
+#include "slam/wheels.h"
+#include "tools/recording/frame_list.h"
+
+namespace zenith::tools {
+
+struct WheelLog {
+  std::vector<WheelSample> samples;  // stamps rise strictly
+  WheelDecoderCounters decoder;
+  std::map<std::uint32_t, std::size_t> unknown_ids;  // and how often each came
+  std::size_t other_interfaces = 0;
+  std::size_t other_frames = 0;  // remote, FD and error frames
+  std::size_t malformed = 0;
+  std::string first_malformed;  // "path:line"
+};
+
+// Malformed lines are counted. A log without any sample is an error.
+Result<WheelLog> read_wheel_log(const std::filesystem::path& path, const std::string& interface);
+
+// One line for each kind of trouble in the log.
+std::vector<std::string> describe_log(const WheelLog& log, const std::filesystem::path& path);
+
+// Holes longer than `max_gap_s` in which frames were taken, and frames outside of the log, one line
+// for each kind. An error when the log and the frames have no time in common.
+Result<std::vector<std::string>> describe_gaps(const WheelLog& log,
+                                               const std::vector<ListedFrame>& frames,
+                                               const std::filesystem::path& path, double max_gap_s);
+
+}  // namespace zenith::tools

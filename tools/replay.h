@@ -1,0 +1,33 @@
+#pragma once
+// Maps recordings together and writes everything that comes out.
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "platform/base/result.h"
+#include "slam/parameters.h"
+#include "tools/recording/recording.h"
+#include "tools/report/figures.h"
+
+namespace zenith::tools {
+
+struct ReplayPlan {
+  std::vector<std::filesystem::path> recordings;
+  std::uint64_t seed = 1;
+  Parameters parameters;
+  ReadOptions reading;
+};
+
+struct ReplayResult {
+  TeamFigures figures;
+  std::vector<std::string> warnings;
+};
+
+// Into `folder`, which the caller keeps atomic.
+Result<ReplayResult> replay(const ReplayPlan& plan, const std::filesystem::path& folder,
+                            const std::function<void(double)>& progress);
+
+}  // namespace zenith::tools

@@ -1,0 +1,181 @@
+#include "tools/report/files.h"
+
+#include <cstdarg>
+#include <cstdio>
+#include <fstream>
+
+#include "tools/recording/ground_truth.h"
+#include "tools/recording/seconds.h"
+#include "tools/report/figures_text.h"
+
+namespace zenith::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+Status save(const fs::path& path, const std::string& text) {
+  std::ofstream file(path, std::ios::binary);
+  file << text;
+  file.close();
+  if (!file) return Error{path.string() + ": cannot be written: is the disk full?"};
+  return {};
+}
+
+[[gnu::format(printf, 2, 3)]] void append(std::string& text, const char* format, ...) {
+  char line[320];
+  va_list values;
+  va_start(values, format);
+  std::vsnprintf(line, sizeof line, format, values);
+  va_end(values);
+  text += line;
+}
+
+std::string trajectory_text(const RobotLog& robot) {
+  std::string text = "# timestamp x y z qx qy qz qw, base_link in the robot's own start frame\n";
+  for (const FrameLog& frame : robot.frames) {
+    text += format_tum({frame.stamp, frame.T_start_robot});
+  }
+  return text;
+}
+
+std::string landmarks_text(const RobotLog& robot) {
+  std::string text = "id,x_m,y_m,z_m,var_xx,var_xy,var_yy,var_zz,observations\n";
+  for (const LandmarkEstimate& mark : robot.landmarks) {
+    const auto& P = mark.covariance_m2;
+    append(text, "%u,%.5f,%.5f,%.5f,%.4g,%.4g,%.4g,%.4g,%d\n", mark.id, mark.position_m.x(),
+           mark.position_m.y(), mark.position_m.z(), P(0, 0), P(0, 1), P(1, 1), P(2, 2),
+           mark.observations);
+  }
+  return text;
+}
+
+std::string alignment_row(Time stamp, const PeerLog& view, const std::string& peer) {
+  const Pose2& T = view.T_own_peer;
+  const Eigen::Vector3d& v = view.variance;
+  std::string row = format_seconds(stamp) + "," + peer;
+  append(row, ",%s,%.6f,%.6f,%.8f,%.4g,%.4g,%.4g,%.4f,%d\n", state_name(view.state), T.x_m, T.y_m,
+         T.theta_rad, v.x(), v.y(), v.z(), view.confidence, view.correspondences);
+  return row;
+}
+
+std::string alignments_text(const TeamLog& log, const RobotLog& robot) {
+  std::string text =
+      "time_s,peer,state,x_m,y_m,theta_rad,var_x,var_y,var_theta,confidence,correspondences\n";
+  for (std::size_t peer = 0; peer < log.robots.size(); ++peer) {
+    const std::string& name = log.robots[peer].name;
+    const PeerLog* last = nullptr;
+    Time written;
+    for (const FrameLog& frame : robot.frames) {
+      const PeerLog* view = find_peer(frame, static_cast<int>(peer));
+      if (view == nullptr) {
+        // A candidate that is gone leaves no row; a merge that is gone was withdrawn.
+        if (last != nullptr && last->state == AlignmentState::kMerged) {
+          PeerLog gone = *last;
+          gone.state = AlignmentState::kWithdrawn;
+          text += alignment_row(frame.stamp, gone, name);
+        }
+        last = nullptr;
+        continue;
+      }
+      const bool changed = last == nullptr || view->state != last->state;
+      const bool due = changed || (frame.stamp - written).seconds() >= 1.0;
+      last = view;
+      if (!due && &frame != &robot.frames.back()) continue;
+      written = frame.stamp;
+      text += alignment_row(frame.stamp, *view, name);
+    }
+  }
+  return text;
+}
+
+std::string confidence_text(const TeamLog& log, std::size_t own) {
+  std::string text = "frame,time_s,peer,confidence\n";
+  const RobotLog& robot = log.robots[own];
+  for (std::size_t i = 0; i < robot.frames.size(); ++i) {
+    for (std::size_t peer = 0; peer < log.robots.size(); ++peer) {
+      if (peer == own) continue;
+      const PeerLog* view = find_peer(robot.frames[i], static_cast<int>(peer));
+      text += std::to_string(i) + "," + format_seconds(robot.frames[i].stamp) + "," +
+              log.robots[peer].name;
+      append(text, ",%.4f\n", view == nullptr ? 0.0 : view->confidence);
+    }
+  }
+  return text;
+}
+
+nlohmann::json counters_json(const StepCounters& c) {
+  return {{"frames", c.frames},
+          {"resamplings", c.resamplings},
+          {"landmarks_created", c.landmarks_created},
+          {"landmarks_promoted", c.landmarks_promoted},
+          {"landmarks_pruned", c.landmarks_pruned},
+          {"landmarks_evicted", c.landmarks_evicted},
+          {"landmarks_rejected_full", c.landmarks_rejected_full},
+          {"appearances_rejected_full", c.appearances_rejected_full},
+          {"odometry_extrapolated", c.odometry_extrapolated},
+          {"odometry_rejected", c.odometry_rejected}};
+}
+
+nlohmann::json parameters_json(const Parameters& parameters) {
+  nlohmann::json json;
+  for (const ParameterInfo& info : parameter_table()) {
+    std::visit([&](auto field) { json[std::string(info.key)] = parameters.*field; }, info.field);
+  }
+  return json;
+}
+
+std::string summary_text_of(const TeamLog& log, const TeamFigures& figures,
+                            const RunDescription& run) {
+  nlohmann::json json = figures_json(figures);
+  json["zenith"] = ZENITH_VERSION;
+  json["seed"] = run.seed;
+  json["parameters"] = parameters_json(run.parameters);
+  for (std::size_t i = 0; i < log.robots.size(); ++i) {
+    nlohmann::json& robot = json["robots"][i];
+    robot["memory_bytes"] = log.robots[i].memory_bytes;
+    robot["counters"] = counters_json(log.robots[i].counters);
+    if (i < run.warnings.size()) robot["warnings"] = run.warnings[i];
+    int merges = 0;
+    for (const PairFigures& pair : figures.pairs) {
+      if (pair.own == static_cast<int>(i)) merges += pair.merges;
+    }
+    robot["merges"] = merges;
+  }
+  return json.dump(2) + "\n";
+}
+
+}  // namespace
+
+const char* state_name(AlignmentState state) {
+  switch (state) {
+    case AlignmentState::kCandidate:
+      return "candidate";
+    case AlignmentState::kMerged:
+      return "merged";
+    case AlignmentState::kWithdrawn:
+      return "withdrawn";
+  }
+  return "?";
+}
+
+Status write_files(const fs::path& folder, const TeamLog& log, const TeamFigures& figures,
+                   const RunDescription& run) {
+  for (std::size_t i = 0; i < log.robots.size(); ++i) {
+    const RobotLog& robot = log.robots[i];
+    const fs::path place = folder / robot.name;
+    std::error_code code;
+    fs::create_directories(place, code);
+    if (code) return Error{place.string() + ": cannot be made: " + code.message()};
+    const std::pair<const char*, std::string> files[] = {
+        {"trajectory.tum", trajectory_text(robot)},
+        {"landmarks.csv", landmarks_text(robot)},
+        {"alignments.csv", alignments_text(log, robot)},
+        {"confidence.csv", confidence_text(log, i)}};
+    for (const auto& [name, text] : files) {
+      if (const Status saved = save(place / name, text); !saved) return saved;
+    }
+  }
+  return save(folder / "summary.json", summary_text_of(log, figures, run));
+}
+
+}  // namespace zenith::tools

@@ -1,0 +1,214 @@
+#include "tools/report/map_picture.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "tools/report/canvas.h"
+#include "tools/report/map_layout.h"
+#include "tools/report/table.h"
+
+namespace zenith::tools {
+namespace {
+
+constexpr int kWidth_px = 1600;
+constexpr int kMargin_px = 60;
+constexpr int kHeader_px = 120;
+constexpr double kSigmas = 2.0;
+
+// From metres to pixels: upright, or turned by a quarter so that long maps lie.
+class View {
+ public:
+  View(const MapLayout& layout, int legend_px) {
+    constexpr double kFree_m = 0.7;
+    constexpr int kMin_px = 420;
+    constexpr int kMax_px = 1200;
+    const Eigen::Vector2d extent =
+        layout.max_m - layout.min_m + Eigen::Vector2d::Constant(2.0 * kFree_m);
+    turned_ = extent.y() > 1.15 * extent.x();
+    const Eigen::Vector2d seen = turned_ ? Eigen::Vector2d(extent.y(), extent.x()) : extent;
+    const double inner = kWidth_px - 2.0 * kMargin_px;
+    scale_ = std::min(inner / seen.x(), kMax_px / seen.y());
+    map_px_ = std::max(kMin_px, static_cast<int>(std::ceil(scale_ * seen.y())));
+    height_px_ = kHeader_px + map_px_ + legend_px;
+    middle_m_ = 0.5 * (layout.min_m + layout.max_m);
+    middle_px_ = {0.5 * kWidth_px, kHeader_px + 0.5 * map_px_};
+  }
+
+  Eigen::Vector2d operator()(const Eigen::Vector2d& p) const {
+    return middle_px_ + linear() * (p - middle_m_);
+  }
+  Eigen::Matrix2d covariance(const Eigen::Matrix2d& P) const {
+    return linear() * P * linear().transpose();
+  }
+  std::vector<Eigen::Vector2d> operator()(const std::vector<Eigen::Vector2d>& points) const {
+    std::vector<Eigen::Vector2d> mapped;
+    for (const Eigen::Vector2d& point : points) mapped.push_back((*this)(point));
+    return mapped;
+  }
+  double scale() const { return scale_; }
+  int height_px() const { return height_px_; }
+  double map_end_px() const { return kHeader_px + map_px_; }
+
+ private:
+  // y points up on the page; turned: the map's y runs to the left.
+  Eigen::Matrix2d linear() const {
+    Eigen::Matrix2d A;
+    if (turned_) {
+      A << 0.0, -1.0, -1.0, 0.0;
+    } else {
+      A << 1.0, 0.0, 0.0, -1.0;
+    }
+    return scale_ * A;
+  }
+
+  bool turned_ = false;
+  double scale_ = 1.0;
+  int map_px_ = 0;
+  int height_px_ = 0;
+  Eigen::Vector2d middle_m_;
+  Eigen::Vector2d middle_px_;
+};
+
+void draw_landmarks(Canvas& canvas, const View& view, const MapLayout& layout) {
+  // Common ones last, so that they stay visible.
+  for (const bool common : {false, true}) {
+    for (const MapLandmark& mark : layout.landmarks) {
+      if (mark.common != common) continue;
+      const Colour colour = common ? kMagenta : robot_colour(static_cast<std::size_t>(mark.robot));
+      const Eigen::Vector2d at = view(mark.position_m);
+      canvas.ellipse(at, view.covariance(mark.covariance_m2), kSigmas, colour, 1.0);
+      canvas.disc(at, common ? 2.6 : 1.8, colour);
+    }
+  }
+}
+
+void draw_robots(Canvas& canvas, const View& view, const MapLayout& layout) {
+  for (const PlacedRobot& robot : layout.robots) canvas.path(view(robot.truth), kGrey, 1.2);
+  for (std::size_t i = 0; i < layout.robots.size(); ++i) {
+    const PlacedRobot& robot = layout.robots[i];
+    const Colour colour = robot_colour(i);
+    canvas.path(view(robot.path), colour, 2.6);
+    if (robot.path.empty()) continue;
+    canvas.disc(view(robot.path.front()), 7.0, {255, 255, 255});
+    canvas.ring(view(robot.path.front()), 7.0, colour, 2.5);
+    canvas.disc(view(robot.path.back()), 7.0, colour);
+  }
+}
+
+void draw_names(Canvas& canvas, const View& view, const MapLayout& layout) {
+  for (std::size_t i = 0; i < layout.robots.size(); ++i) {
+    const PlacedRobot& robot = layout.robots[i];
+    if (robot.path.empty()) continue;
+    const Eigen::Vector2d at = view(robot.path.front()) + Eigen::Vector2d(12.0, -10.0);
+    const double width = canvas.text_width(robot.name, 13.0, true);
+    const Eigen::Vector2d left(std::min(at.x(), kWidth_px - width - 8.0), at.y());
+    canvas.box(left - Eigen::Vector2d(3.0, 16.0), {width + 6.0, 21.0}, {255, 255, 255});
+    canvas.text(left, robot.name, 13.0, robot_colour(i), Anchor::kLeft, true);
+  }
+}
+
+std::string title(const MapLayout& layout) {
+  const std::size_t count = layout.robots.size();
+  const auto placed = static_cast<std::size_t>(
+      std::count_if(layout.robots.begin(), layout.robots.end(),
+                    [](const PlacedRobot& robot) { return robot.placed; }));
+  if (count == 1) return "The map of " + layout.robots[0].name;
+  if (placed == count) return "One map of " + std::to_string(count) + " robots";
+  if (placed == 1) return std::to_string(count) + " robots, not merged";
+  return "One map of " + std::to_string(placed) + " robots, " + std::to_string(count - placed) +
+         " not merged";
+}
+
+std::string merge_line(const TeamFigures& figures) {
+  std::string text;
+  for (const PairFigures& pair : figures.pairs) {
+    if (pair.own > pair.peer || !pair.merge_time_s) continue;
+    text += (text.empty() ? "" : "     ") +
+            figures.robots[static_cast<std::size_t>(pair.own)].name + " + " +
+            figures.robots[static_cast<std::size_t>(pair.peer)].name + " merged after " +
+            fixed(pair.merge_time_s, 1) + " s";
+    if (!pair.merged_at_end) text += " (withdrawn)";
+    if (!pair.at_end) continue;
+    text += ", transform off by " + fixed(100.0 * pair.at_end->position_m, 1) + " cm, " +
+            fixed(pair.at_end->angle_rad * 180.0 / std::numbers::pi, 2) + " deg";
+  }
+  return text;
+}
+
+void draw_scale(Canvas& canvas, const View& view, double y) {
+  const double wanted = 220.0 / view.scale();
+  double length = std::pow(10.0, std::floor(std::log10(wanted)));
+  for (const double factor : {5.0, 2.0}) {
+    if (length * factor <= wanted) {
+      length *= factor;
+      break;
+    }
+  }
+  const Eigen::Vector2d right(kWidth_px - kMargin_px, y);
+  const Eigen::Vector2d left = right - Eigen::Vector2d(length * view.scale(), 0.0);
+  canvas.line(left, right, kInk, 2.0);
+  for (const Eigen::Vector2d& end : {left, right}) {
+    canvas.line(end - Eigen::Vector2d(0.0, 6.0), end + Eigen::Vector2d(0.0, 6.0), kInk, 2.0);
+  }
+  canvas.text(0.5 * (left + right) - Eigen::Vector2d(0.0, 12.0),
+              fixed(length, length < 1.0 ? 1 : 0) + " m", 13.0, kInk, Anchor::kCentre);
+}
+
+std::string robot_line(const RobotFigures& robot) {
+  std::string text = robot.name + ": " + fixed(robot.path_m, 1) + " m driven, " +
+                     std::to_string(robot.landmarks) + " landmarks";
+  if (!robot.ate_m) return text;
+  return text + ", error " + fixed(100.0 * *robot.ate_m, 1) + " cm (wheels alone " +
+         fixed(100.0 * *robot.odometry_ate_m, 1) + " cm)";
+}
+
+void draw_legend(Canvas& canvas, const View& view, const MapLayout& layout,
+                 const TeamFigures& figures) {
+  double y = view.map_end_px() + 34.0;
+  for (std::size_t i = 0; i < figures.robots.size(); ++i, y += 28.0) {
+    canvas.line({kMargin_px, y - 5.0}, {kMargin_px + 44.0, y - 5.0}, robot_colour(i), 3.0);
+    canvas.ring({kMargin_px, y - 5.0}, 5.0, robot_colour(i), 2.0);
+    canvas.disc({kMargin_px + 44.0, y - 5.0}, 5.0, robot_colour(i));
+    canvas.text({kMargin_px + 62.0, y}, robot_line(figures.robots[i]), 13.0, kInk);
+  }
+  double x = kMargin_px;
+  const auto entry = [&](const std::string& text) {
+    canvas.text({x + 56.0, y}, text, 13.0, kInk);
+    x += 56.0 + canvas.text_width(text, 13.0) + 40.0;
+  };
+  Eigen::Matrix2d shape;
+  shape << 90.0, 20.0, 20.0, 25.0;
+  for (const bool common : {false, true}) {
+    const Colour colour = common ? kMagenta : robot_colour(0);
+    canvas.ellipse({x + 22.0, y - 5.0}, shape, 1.0, colour, 1.0);
+    canvas.disc({x + 22.0, y - 5.0}, common ? 2.6 : 1.8, colour);
+    entry(common ? "landmark held by several robots" : "landmark, 2 sigma");
+  }
+  const bool truth = std::any_of(layout.robots.begin(), layout.robots.end(),
+                                 [](const PlacedRobot& robot) { return !robot.truth.empty(); });
+  if (truth) {
+    canvas.line({x, y - 5.0}, {x + 44.0, y - 5.0}, kGrey, 1.5);
+    entry("ground truth");
+  }
+  draw_scale(canvas, view, view.map_end_px() + 40.0);
+}
+
+}  // namespace
+
+Status draw_map(const std::filesystem::path& path, const TeamLog& log, const TeamFigures& figures) {
+  const MapLayout layout = lay_out_map(log);
+  const int legend_px = 34 + 28 * static_cast<int>(log.robots.size()) + 40;
+  const View view(layout, legend_px);
+  Canvas canvas(kWidth_px, view.height_px());
+  canvas.text({kMargin_px, 58.0}, title(layout), 24.0, kInk, Anchor::kLeft, true);
+  canvas.text({kMargin_px, 92.0}, merge_line(figures), 13.0, kGrey);
+  draw_landmarks(canvas, view, layout);
+  draw_robots(canvas, view, layout);
+  draw_names(canvas, view, layout);
+  draw_legend(canvas, view, layout, figures);
+  return canvas.save(path);
+}
+
+}  // namespace zenith::tools
