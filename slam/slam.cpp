@@ -1,8 +1,11 @@
 #include "slam/slam.h"
 
 #include <cassert>
+#include <cmath>
 #include <new>
 
+#include "slam/fleet/fleet.h"
+#include "slam/fleet/fusion.h"
 #include "slam/fleet/publish.h"
 #include "slam/mapper.h"
 
@@ -11,6 +14,8 @@ namespace zenith {
 struct Slam::State {
   FeatureExtractor extractor;
   Mapper mapper;
+  Fleet fleet;
+  ObservedFrame observed;
   WheelHistory wheels;
   WheelTravel used;        // total travel at the last used frame
   bool has_used = false;
@@ -20,6 +25,32 @@ struct Slam::State {
   void layout(Arena& arena, const Parameters& parameters) {
     extractor.layout(arena);
     mapper.layout(arena, parameters);
+    fleet.layout(arena);
+  }
+
+  // This frame's own landmarks, as the fleet wants them: promoted, seen now, heights known.
+  void observe() {
+    observed.clear();
+    const Eigen::Vector2d lever = mapper.lever_m();
+    const double camera_z = mapper.robot().mount.z_m;
+    for (const Candidate& c : mapper.candidates()) {
+      if (!c.inlier) continue;
+      const LandmarkInfo& l = mapper.map().info(c.slot);
+      if (l.state != LandmarkState::kPromoted) continue;
+      const Feature& f = extractor.features()[static_cast<std::size_t>(c.corner)];
+      Observed o;
+      o.slot = c.slot;
+      o.id = l.id;
+      const double height = static_cast<double>(l.z_m) - camera_z;
+      o.from_robot_m = lever + height * Eigen::Vector2d(f.zx, f.zy);
+      o.place_m = l.position_m().head<2>();
+      o.covariance_m2 = l.covariance().topLeftCorner<2, 2>();
+      o.z_m = static_cast<double>(l.z_m);
+      o.z_sigma_m = std::sqrt(static_cast<double>(l.covariance_m2[5]));
+      o.orientation_rad = f.orientation_rad;
+      o.compact = f.compact;
+      observed.push_back(o);
+    }
   }
 };
 
@@ -39,6 +70,7 @@ Slam::Slam(const RobotConfig& robot, const Parameters& parameters, std::uint64_t
   state_->layout(arena, parameters);
   state_->extractor.build(robot, parameters);
   state_->mapper.build(robot, parameters, seed);
+  state_->fleet.build(parameters);
 }
 
 Slam::~Slam() { state_->~State(); }
@@ -60,6 +92,8 @@ const StepOutput& Slam::step(const StepInput& input) {
   out.corners = static_cast<int>(features.size());
   if (s.mapper.worth_using(travel)) {
     s.mapper.update(travel, features, s.extractor);
+    s.observe();
+    s.fleet.update(s.observed, s.mapper.map(), s.mapper.pose().mean, s.mapper.travelled_m());
     s.used = now.total;
     s.has_used = true;
     out.T_start_robot = s.mapper.pose().mean;
@@ -107,18 +141,19 @@ std::size_t Slam::publish(std::span<LandmarkRecord> out) {
 }
 
 void Slam::receive(int peer, std::span<const LandmarkRecord> records) {
-  (void)peer;
-  (void)records;
+  assert(peer >= 0 && peer < kMaxPeers);
+  state_->fleet.receive(peer, records);
 }
 
-std::span<const Alignment> Slam::alignments() const { return {}; }
+std::span<const Alignment> Slam::alignments() const { return state_->fleet.alignments(); }
+
 std::span<const Correspondence> Slam::correspondences(int peer) const {
-  (void)peer;
-  return {};
+  const Peer& p = state_->fleet.peers()[static_cast<std::size_t>(peer)];
+  return std::span<const Correspondence>(p.pairs).first(p.pair_count);
 }
+
 std::size_t Slam::fused_landmarks(std::span<FusedLandmark> out) const {
-  (void)out;
-  return 0;
+  return read_common_map(state_->mapper.map(), state_->fleet, out);
 }
 
 }  // namespace zenith

@@ -1,0 +1,220 @@
+#include "slam/fleet/fleet.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "slam/image/ncc.h"
+
+namespace zenith {
+namespace {
+
+// Peer's landmarks looked at in one frame by the search for duplicates: bounded work each frame.
+constexpr int kSweepPerFrame = 48;
+constexpr float kDuplicateNcc = 0.6F;
+
+}  // namespace
+
+void Peer::layout(Arena& arena) {
+  map.layout(arena);
+  hypotheses = arena.take<Hypothesis>(kMaxHypotheses);
+  pairs = arena.take<Correspondence>(kMaxCorrespondences);
+}
+
+void Fleet::layout(Arena& arena) {
+  hough_.layout(arena);
+  matches_ = arena.take<OverlapMatches>(1);
+  fixes_ = arena.take<PlaceFixes>(1);
+  peers_ = arena.take<Peer>(kMaxPeers);
+  for (int i = 0; i < kMaxPeers; ++i) {
+    Peer scratch;
+    (arena.counting() ? scratch : peers_[static_cast<std::size_t>(i)]).layout(arena);
+  }
+}
+
+void Fleet::build(const Parameters& parameters) {
+  overlap_.ncc_min = static_cast<float>(parameters.ncc_overlap);
+  decision_.confidence = parameters.confidence_threshold;
+}
+
+void Fleet::receive(int peer, std::span<const LandmarkRecord> records) {
+  Peer& p = peers_[static_cast<std::size_t>(peer)];
+  p.known = true;
+  for (const LandmarkRecord& r : records) p.map.apply(r);
+}
+
+void Fleet::update(const ObservedFrame& frame, const Map& map, const Pose2& T_own_robot,
+                   double travelled_m) {
+  const bool moved = travelled_m - searched_at_m_ >= search_distance_m_;
+  if (moved) searched_at_m_ = travelled_m;
+  for (Peer& peer : peers_) {
+    if (!peer.known || peer.map.empty()) continue;
+    if (moved) search(peer, frame, map, T_own_robot);
+    if (peer.merged) search_duplicates(peer, map);
+  }
+  report();
+}
+
+void Fleet::search(Peer& peer, const ObservedFrame& frame, const Map& map,
+                   const Pose2& T_own_robot) {
+  propose(peer, frame, T_own_robot);
+  test(peer, frame, map, T_own_robot);
+  decide(peer, T_own_robot);
+}
+
+// New hypotheses from this frame alone.
+void Fleet::propose(Peer& peer, const ObservedFrame& frame, const Pose2& T_own_robot) {
+  find_overlap(frame, peer.map, overlap_, matches_[0]);
+  hough_.find_places(frame, peer.map, matches_[0], hough_settings_, fixes_[0]);
+  for (const PlaceFix& fix : fixes_[0]) {
+    const Pose2 T_own_peer = T_own_robot * fix.T_peer_robot.inverse();
+    const auto known = std::find_if(peer.hypotheses.begin(), peer.hypotheses.end(), [&](auto& h) {
+      return h.used && same_alignment(h.T_own_peer, T_own_peer, T_own_robot.position());
+    });
+    if (known != peer.hypotheses.end()) continue;
+    Hypothesis* place = nullptr;
+    for (Hypothesis& h : peer.hypotheses) {
+      const bool held = &h - peer.hypotheses.data() == peer.leader;
+      if (held) continue;
+      if (place == nullptr || !h.used || (place->used && h.hits() < place->hits())) place = &h;
+      if (!place->used) break;
+    }
+    if (place->used && place->hits() > 2 * fix.inliers) continue;
+    *place = Hypothesis{};
+    place->used = true;
+    place->T_own_peer = T_own_peer;
+    place->covariance = Eigen::Vector3d(0.0025, 0.0025, 0.0004).asDiagonal();
+  }
+}
+
+void Fleet::test(Peer& peer, const ObservedFrame& frame, const Map& map,
+                 const Pose2& T_own_robot) {
+  for (Hypothesis& h : peer.hypotheses) {
+    if (!h.used) continue;
+    const FrameTest result = test_hypothesis(h, frame, peer.map, T_own_robot, test_);
+    const Eigen::Vector2d place = rotation(h.T_own_peer.theta_rad) * result.T_peer_robot.position();
+    h.confidence.add(T_own_robot.position(), place, result.found);
+    refit(h, map, peer.map);
+    const bool leads = peer.merged && &h - peer.hypotheses.data() == peer.leader;
+    if (!leads && h.searches >= Hypothesis::kWindow && h.hits() == 0) h.used = false;
+  }
+  // Two that have become the same are one: the better supported stays.
+  for (std::size_t i = 0; i < peer.hypotheses.size(); ++i) {
+    for (std::size_t k = i + 1; k < peer.hypotheses.size(); ++k) {
+      Hypothesis& a = peer.hypotheses[i];
+      Hypothesis& b = peer.hypotheses[k];
+      if (!a.used || !b.used) continue;
+      if (!same_alignment(a.T_own_peer, b.T_own_peer, T_own_robot.position())) continue;
+      const bool keep_a = static_cast<int>(i) == peer.leader ||
+                          (static_cast<int>(k) != peer.leader && a.hits() >= b.hits());
+      (keep_a ? b : a).used = false;
+    }
+  }
+}
+
+void Fleet::decide(Peer& peer, const Pose2& T_own_robot) {
+  int best = -1;
+  for (int i = 0; i < kMaxHypotheses; ++i) {
+    const Hypothesis& h = peer.hypotheses[static_cast<std::size_t>(i)];
+    if (!h.used) continue;
+    if (best < 0 || h.hits() > peer.hypotheses[static_cast<std::size_t>(best)].hits()) best = i;
+  }
+  if (!peer.merged) peer.leader = best;
+  if (peer.leader < 0) return;
+  const Hypothesis& leader = peer.hypotheses[static_cast<std::size_t>(peer.leader)];
+  int rival = 0;
+  for (int i = 0; i < kMaxHypotheses; ++i) {
+    const Hypothesis& h = peer.hypotheses[static_cast<std::size_t>(i)];
+    if (i == peer.leader || !h.used) continue;
+    if (same_alignment(h.T_own_peer, leader.T_own_peer, T_own_robot.position())) continue;
+    rival = std::max(rival, h.hits());
+  }
+  const DecisionSettings& d = decision_;
+  if (!peer.merged) {
+    peer.merged = leader.confidence.value() > d.confidence &&
+                  leader.successes(d.min_hits) >= d.min_successes &&
+                  static_cast<int>(leader.pairs.size()) >= d.min_pairs &&
+                  leader.hits() >= d.min_hit_share * leader.expected() &&
+                  rival < d.rival_share * leader.hits();
+    if (peer.merged) peer.alignment.state = AlignmentState::kMerged;
+    return;
+  }
+  const bool refuted = leader.expected() >= d.withdraw_expected &&
+                       leader.hits() < d.withdraw_share * leader.expected();
+  const bool beaten = rival > 2 * leader.hits() + d.min_pairs;
+  if (refuted || beaten) {
+    peer.hypotheses[static_cast<std::size_t>(peer.leader)].used = false;
+    peer.merged = false;
+    peer.leader = -1;
+    peer.alignment.state = AlignmentState::kWithdrawn;
+  }
+}
+
+// Common landmarks that no frame has shown yet (paper III-C): within the uncertainty that the
+// transform enlarges, a similar look makes a pair, and the next fit uses it.
+void Fleet::search_duplicates(Peer& peer, const Map& map) {
+  Hypothesis& h = peer.hypotheses[static_cast<std::size_t>(peer.leader)];
+  const auto theirs = peer.map.landmarks();
+  const auto own = map.landmarks();
+  for (int n = 0; n < kSweepPerFrame; ++n) {
+    peer.sweep = (peer.sweep + 1) % static_cast<int>(theirs.size());
+    const PeerLandmark& l = theirs[static_cast<std::size_t>(peer.sweep)];
+    if (!l.present) continue;
+    const Eigen::Vector2d at = h.T_own_peer * l.xy();
+    const Eigen::Matrix2d P =
+        transform_covariance(h.T_own_peer, h.covariance, l.xy(), l.covariance_xy());
+    const double reach = 0.08 + std::min(3.0 * std::sqrt(P.trace()), 0.3);
+    int best_slot = -1;
+    float best = kDuplicateNcc;
+    for (std::size_t slot = 0; slot < own.size(); ++slot) {
+      const LandmarkInfo& o = own[slot];
+      const double dx = static_cast<double>(o.x_m) - at.x();
+      const double dy = static_cast<double>(o.y_m) - at.y();
+      if (dx * dx + dy * dy > reach * reach || o.state != LandmarkState::kPromoted) continue;
+      if (std::abs(o.z_m - l.z_m) > 0.3F) continue;
+      for (int i = o.first_appearance; i >= 0; i = map.appearance(i).next) {
+        const Appearance& a = map.appearance(i);
+        for (int k = 0; k < l.appearance_count; ++k) {
+          const PeerAppearance& b = l.appearances[static_cast<std::size_t>(k)];
+          const double turn = static_cast<double>(a.direction_rad - b.direction_rad);
+          if (std::abs(wrap_angle(turn - h.T_own_peer.theta_rad)) > 0.5) continue;
+          const float similarity = ncc(a.compact, b.compact);
+          if (similarity <= best) continue;
+          best = similarity;
+          best_slot = static_cast<int>(slot);
+        }
+      }
+    }
+    if (best_slot < 0) continue;
+    confirm_pair(h, {best_slot, own[static_cast<std::size_t>(best_slot)].id, peer.sweep, 1});
+  }
+}
+
+void Fleet::report() {
+  alignments_.clear();
+  for (std::size_t i = 0; i < peers_.size(); ++i) {
+    Peer& peer = peers_[i];
+    if (!peer.known) continue;
+    Alignment& a = peer.alignment;
+    a.peer = static_cast<int>(i);
+    peer.pair_count = 0;
+    if (peer.leader < 0) {
+      a.confidence = 0.0;
+      a.correspondences = 0;
+      if (a.state == AlignmentState::kWithdrawn) alignments_.push_back(a);
+      continue;
+    }
+    const Hypothesis& h = peer.hypotheses[static_cast<std::size_t>(peer.leader)];
+    a.state = peer.merged ? AlignmentState::kMerged : AlignmentState::kCandidate;
+    a.T_own_peer = h.T_own_peer;
+    a.covariance = h.covariance;
+    a.confidence = h.confidence.value();
+    a.correspondences = static_cast<int>(h.pairs.size());
+    for (const LandmarkPair& p : h.pairs) {
+      peer.pairs[peer.pair_count++] = {p.own_id,
+                                       peer.map[p.peer_slot].id};
+    }
+    alignments_.push_back(a);
+  }
+}
+
+}  // namespace zenith

@@ -1,0 +1,77 @@
+#pragma once
+// One possible alignment with a peer, and what speaks for and against it (paper-notes, P17).
+//
+// A hypothesis begins with a place that the Hough search found, and is then tested by every further
+// frame: where it says that peer's landmarks are, similar ones must be. It keeps the pairs of
+// landmarks that it found and re-estimates the transform from all of them.
+
+#include <array>
+#include <cstdint>
+
+#include "platform/base/fixed_vector.h"
+#include "slam/fleet/align.h"
+#include "slam/fleet/confidence.h"
+#include "slam/fleet/overlap.h"
+#include "slam/map/map.h"
+
+namespace zenith {
+
+struct LandmarkPair {
+  std::int32_t own_slot = -1;
+  std::uint32_t own_id = 0;
+  std::int32_t peer_slot = -1;
+  std::int32_t seen = 0;  // frames that confirmed the pair
+};
+
+// One search's verdict.
+struct Support {
+  int hits = 0;      // observed landmarks with a similar one of the peer where it should be
+  int expected = 0;  // observed landmarks where the peer has any landmark of that height near, or
+                     // peer's landmarks that should be in view, whichever is fewer
+};
+
+struct Hypothesis {
+  static constexpr int kWindow = 8;  // searches remembered
+
+  bool used = false;
+  Pose2 T_own_peer;
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();
+  double scatter = 1.0;  // mean squared distance of the pairs, per residual
+  Confidence confidence;
+  FixedVector<LandmarkPair, kMaxCorrespondences> pairs;
+  std::array<Support, kWindow> window = {};
+  int searches = 0;
+
+  int hits() const;
+  int expected() const;
+  int successes(int min_hits) const;  // searches of the window with so many hits
+};
+
+struct TestSettings {
+  float ncc_min = 0.60F;
+  double radius_m = 0.15;
+  double max_turn_rad = 0.5;
+  double height_tolerance_m = 0.15;
+};
+
+// Tests the hypothesis against one frame: adds pairs, fills `place` with the pairs of this frame
+// alone (peer_slot by observed) and returns the verdict.
+struct FrameTest {
+  Support support;
+  Pose2 T_peer_robot;  // from this frame's pairs alone
+  bool found = false;
+};
+FrameTest test_hypothesis(Hypothesis& hypothesis, const ObservedFrame& frame, const PeerMap& peer,
+                          const Pose2& T_own_robot, const TestSettings& settings);
+
+// Re-estimates the transform from all pairs (Eq. 7), the own side read from the map as it is now;
+// forgets pairs whose own landmark is gone or that lie far off.
+void refit(Hypothesis& hypothesis, const Map& map, const PeerMap& peer);
+
+// Adds the pair, or confirms it; a landmark's stronger partner wins. False when full.
+bool confirm_pair(Hypothesis& hypothesis, const LandmarkPair& pair);
+
+// Whether two alignments are the same one, for a robot near `at` (own frame).
+bool same_alignment(const Pose2& a, const Pose2& b, const Eigen::Vector2d& at);
+
+}  // namespace zenith
