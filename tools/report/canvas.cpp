@@ -109,10 +109,6 @@ void Canvas::ellipse(const Eigen::Vector2d& centre, const Eigen::Matrix2d& covar
   path(outline, colour, thickness);
 }
 
-void Canvas::box(const Eigen::Vector2d& corner, const Eigen::Vector2d& size, Colour fill) {
-  cv::rectangle(page_, whole(corner), whole(corner + size), bgr(fill), cv::FILLED);
-}
-
 double Canvas::text_width(const std::string& text, double size, bool bold) const {
   int below = 0;
   const cv::Size extent =
@@ -120,12 +116,23 @@ double Canvas::text_width(const std::string& text, double size, bool bold) const
   return static_cast<double>(extent.width) / kOversampling;
 }
 
-void Canvas::text(const Eigen::Vector2d& at, const std::string& text, double size, Colour colour,
-                  Anchor anchor, bool bold) {
+void Canvas::put(const Eigen::Vector2d& at, const std::string& text, double size, Colour colour,
+                 Anchor anchor, bool bold, int rim) {
   const double width = text_width(text, size, bold);
   const double shift = anchor == Anchor::kLeft ? 0.0 : anchor == Anchor::kRight ? width : width / 2;
   cv::putText(page_, text, whole(at - Eigen::Vector2d(shift, 0.0)), kFont, font_scale(size),
-              bgr(colour), font_thickness(size, bold), cv::LINE_AA);
+              bgr(colour), font_thickness(size, bold) + rim, cv::LINE_AA);
+}
+
+void Canvas::text(const Eigen::Vector2d& at, const std::string& text, double size, Colour colour,
+                  Anchor anchor, bool bold) {
+  put(at, text, size, colour, anchor, bold, 0);
+}
+
+void Canvas::halo(const Eigen::Vector2d& at, const std::string& text, double size, Anchor anchor,
+                  bool bold) {
+  constexpr Colour kWhite{255, 255, 255};
+  put(at, text, size, kWhite, anchor, bold, 5 * kOversampling);
 }
 
 void Canvas::vertical_text(const Eigen::Vector2d& at, const std::string& text, double size,

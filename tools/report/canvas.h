@@ -44,9 +44,11 @@ class Canvas {
   // `covariance` in square pixels; drawn at so many sigma.
   void ellipse(const Eigen::Vector2d& centre, const Eigen::Matrix2d& covariance, double sigmas,
                Colour colour, double thickness);
-  void box(const Eigen::Vector2d& corner, const Eigen::Vector2d& size, Colour fill);
   // `at` lies on the base line; `size` is the height of a capital letter.
   void text(const Eigen::Vector2d& at, const std::string& text, double size, Colour colour,
+            Anchor anchor = Anchor::kLeft, bool bold = false);
+  // A white rim for the text that is written over it.
+  void halo(const Eigen::Vector2d& at, const std::string& text, double size,
             Anchor anchor = Anchor::kLeft, bool bold = false);
   // `at` is the lower end of a text that runs upwards.
   void vertical_text(const Eigen::Vector2d& at, const std::string& text, double size,
@@ -56,6 +58,9 @@ class Canvas {
   Status save(const std::filesystem::path& path) const;
 
  private:
+  void put(const Eigen::Vector2d& at, const std::string& text, double size, Colour colour,
+           Anchor anchor, bool bold, int rim);
+
   cv::Mat page_;
   int width_;
   int height_;

@@ -12,10 +12,10 @@ namespace zenith::tools {
 namespace {
 
 constexpr int kWidth_px = 1600;
-constexpr int kHeight_px = 760;
+constexpr int kHeight_px = 860;
 constexpr double kLeft_px = 110.0;
 constexpr double kRight_px = kWidth_px - 60.0;
-constexpr double kTop_px = 150.0;
+constexpr double kTop_px = 260.0;
 constexpr double kBottom_px = kHeight_px - 90.0;
 
 struct Curve {
@@ -81,15 +81,18 @@ void draw_axes(Canvas& canvas, double last_frame) {
 
 void draw_events(Canvas& canvas, const Curve& curve, double last_frame, double& label_y) {
   const auto mark = [&](std::size_t frame, const std::string& what) {
+    if (label_y < kTop_px - 120.0) return;  // no room is left
     const double x = at(static_cast<double>(frame), last_frame, 0.0).x();
-    canvas.dashed({x, kTop_px}, {x, kBottom_px}, curve.colour, 1.4);
     const std::string text = what + ", frame " + std::to_string(frame);
     const bool beyond = x + 10.0 + canvas.text_width(text, 13.0) > kRight_px;
-    canvas.text({x + (beyond ? -8.0 : 8.0), label_y}, text, 13.0, curve.colour,
-                beyond ? Anchor::kRight : Anchor::kLeft);
-    label_y += 22.0;
+    const Anchor anchor = beyond ? Anchor::kRight : Anchor::kLeft;
+    const Eigen::Vector2d place(x + (beyond ? -8.0 : 8.0), label_y);
+    canvas.dashed({x, label_y - 14.0}, {x, kBottom_px}, curve.colour, 1.4);
+    canvas.halo(place, text, 13.0, anchor);
+    canvas.text(place, text, 13.0, curve.colour, anchor);
+    label_y -= 20.0;
   };
-  constexpr std::size_t kShown = 3;
+  constexpr std::size_t kShown = 2;  // more would hide the curve
   for (std::size_t i = 0; i < std::min(kShown, curve.merged.size()); ++i) {
     mark(curve.merged[i], "merged");
   }
@@ -112,6 +115,14 @@ void draw_curve(Canvas& canvas, const Curve& curve, double last_frame) {
   }
 }
 
+void draw_threshold(Canvas& canvas, double threshold) {
+  const double y = at(0.0, 1.0, threshold).y();
+  const std::string label = "threshold " + fixed(threshold, 2);
+  canvas.dashed({kLeft_px, y}, {kRight_px, y}, kMagenta, 1.6);
+  canvas.halo({kRight_px - 8.0, y - 9.0}, label, 13.0, Anchor::kRight);
+  canvas.text({kRight_px - 8.0, y - 9.0}, label, 13.0, kMagenta, Anchor::kRight);
+}
+
 void draw_legend(Canvas& canvas, const std::vector<Curve>& curves) {
   double x = kLeft_px;
   double y = 102.0;
@@ -119,7 +130,7 @@ void draw_legend(Canvas& canvas, const std::vector<Curve>& curves) {
     const double width = 52.0 + canvas.text_width(curve.name, 13.0) + 36.0;
     if (x + width > kRight_px) {
       x = kLeft_px;
-      y += 24.0;
+      y += 22.0;
     }
     canvas.line({x, y - 5.0}, {x + 40.0, y - 5.0}, curve.colour, 3.0);
     canvas.text({x + 52.0, y}, curve.name, 13.0, kInk);
@@ -140,14 +151,11 @@ Status draw_confidence(const std::filesystem::path& path, const TeamLog& log, do
               true);
   draw_legend(canvas, curves);
   draw_axes(canvas, last_frame);
-  const double y = at(0.0, 1.0, threshold).y();
-  canvas.dashed({kLeft_px, y}, {kRight_px, y}, kMagenta, 1.6);
-  canvas.text({kLeft_px + 10.0, y - 9.0}, "threshold " + fixed(threshold, 2), 13.0, kMagenta);
-  double label_y = kTop_px + 16.0;
-  for (const Curve& curve : curves) {
-    draw_curve(canvas, curve, last_frame);
-    draw_events(canvas, curve, last_frame, label_y);
-  }
+  // Events stand in rows above the curves, from the lowest row upwards.
+  double label_y = kTop_px - 10.0;
+  for (const Curve& curve : curves) draw_curve(canvas, curve, last_frame);
+  for (const Curve& curve : curves) draw_events(canvas, curve, last_frame, label_y);
+  draw_threshold(canvas, threshold);
   return canvas.save(path);
 }
 

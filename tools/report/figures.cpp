@@ -27,6 +27,10 @@ std::optional<std::size_t> overlap_start(const RobotLog& own, const RobotLog& pe
   return std::nullopt;
 }
 
+Time team_start(const RobotLog& own, const RobotLog& peer) {
+  return std::min(own.frames.front().stamp, peer.frames.front().stamp);
+}
+
 double driven_between(const RobotLog& log, std::size_t from, std::size_t to) {
   double length = 0.0;
   for (std::size_t i = from + 1; i <= to; ++i) {
@@ -78,22 +82,18 @@ void judge_duplicates(const RobotLog& own, int own_index, PairFigures& figures) 
 }
 
 void judge_first_merge(const TeamLog& log, std::size_t merge, const std::optional<Pose2>& truth,
-                       PairFigures& figures) {
+                       const std::optional<std::size_t>& overlap, PairFigures& figures) {
   const RobotLog& own = log.robots[static_cast<std::size_t>(figures.own)];
   const RobotLog& peer = log.robots[static_cast<std::size_t>(figures.peer)];
-  const Time start = std::min(own.frames.front().stamp, peer.frames.front().stamp);
   const Time stamp = own.frames[merge].stamp;
-  figures.merge_time_s = (stamp - start).seconds();
+  figures.merge_time_s = (stamp - team_start(own, peer)).seconds();
   figures.at_merge = error_at(own.frames[merge], figures.peer, truth);
   for (std::size_t i = merge; i < own.frames.size(); ++i) {
     if ((own.frames[i].stamp - stamp).seconds() < kLater_s) continue;
     figures.later = error_at(own.frames[i], figures.peer, truth);
     break;
   }
-  if (const auto overlap = overlap_start(own, peer)) {
-    figures.overlap_time_s = (own.frames[*overlap].stamp - start).seconds();
-    figures.driven_till_merge_m = driven_between(own, *overlap, merge);
-  }
+  if (overlap) figures.driven_till_merge_m = driven_between(own, *overlap, merge);
 }
 
 PairFigures judge_pair(const TeamLog& log, int own_index, int peer_index) {
@@ -112,7 +112,10 @@ PairFigures judge_pair(const TeamLog& log, int own_index, int peer_index) {
     const auto error = error_at(own.frames[merge], peer_index, truth);
     figures.false_merges += error && error->wrong() ? 1 : 0;
   }
-  if (!merges.empty()) judge_first_merge(log, merges.front(), truth, figures);
+  const auto overlap = overlap_start(own, peer);
+  if (overlap)
+    figures.overlap_time_s = (own.frames[*overlap].stamp - team_start(own, peer)).seconds();
+  if (!merges.empty()) judge_first_merge(log, merges.front(), truth, overlap, figures);
   figures.at_end = error_at(own.frames.back(), peer_index, truth);
   if (figures.merged_at_end) judge_duplicates(own, own_index, figures);
   return figures;

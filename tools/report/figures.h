@@ -59,7 +59,7 @@ struct PairFigures {
   int withdrawn = 0;
   int false_merges = 0;  // merges that were wrong at their moment
   bool merged_at_end = false;
-  std::optional<double> merge_time_s;  // of the first merge, since the team's first frame
+  std::optional<double> merge_time_s;  // of the first merge, since the pair's first frame
   std::optional<double> overlap_time_s;
   std::optional<double> driven_till_merge_m;  // by `own`, since the overlap began
   std::optional<TransformError> at_merge;

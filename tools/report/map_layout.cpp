@@ -50,6 +50,11 @@ void add_landmark(const LandmarkEstimate& mark, const Pose2& T, int robot, bool 
 // The first robot's common map, and the own maps of those that it does not hold.
 void add_landmarks(const TeamLog& log, const Placements& placed, const std::vector<Pose2>& T,
                    MapLayout& layout) {
+  if (log.robots[0].fused.empty()) {
+    for (const LandmarkEstimate& mark : log.robots[0].landmarks) {
+      add_landmark(mark, {}, 0, false, layout);
+    }
+  }
   for (const auto& fused : log.robots[0].fused) {
     const int robot = fused.source < 0 ? 0 : peer_of_slot(0, fused.source);
     add_landmark(fused.landmark, {}, robot, fused.owners > 1, layout);
@@ -90,12 +95,15 @@ struct Bounds {
   }
 };
 
+// Where the robot was, and its landmarks around: a stray one far away does not shrink the picture.
 Bounds bounds_of(const RobotLog& robot, const Pose2& T) {
-  Bounds bounds;
-  bounds.min = bounds.max = T.position();
-  for (const FrameLog& frame : robot.frames) bounds.include(T * frame.T_start_robot.position());
+  const Eigen::Vector2d around = Eigen::Vector2d::Constant(4.0);
+  Bounds path{T.position(), T.position()};
+  for (const FrameLog& frame : robot.frames) path.include(T * frame.T_start_robot.position());
+  Bounds bounds = path;
   for (const LandmarkEstimate& mark : robot.landmarks) {
-    bounds.include(T * mark.position_m.head<2>());
+    const Eigen::Vector2d at = T * mark.position_m.head<2>();
+    bounds.include(at.cwiseMax(path.min - around).cwiseMin(path.max + around));
   }
   return bounds;
 }

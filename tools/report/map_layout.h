@@ -29,8 +29,12 @@ struct PlacedRobot {
 struct MapLayout {
   std::vector<PlacedRobot> robots;
   std::vector<MapLandmark> landmarks;
-  Eigen::Vector2d min_m;
+  Eigen::Vector2d min_m;  // of what is worth showing: stray landmarks may lie outside
   Eigen::Vector2d max_m;
+
+  bool holds(const Eigen::Vector2d& p) const {
+    return (p.array() >= min_m.array()).all() && (p.array() <= max_m.array()).all();
+  }
 };
 
 MapLayout lay_out_map(const TeamLog& log);

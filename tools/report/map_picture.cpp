@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include "tools/report/canvas.h"
@@ -16,23 +18,67 @@ constexpr int kWidth_px = 1600;
 constexpr int kMargin_px = 60;
 constexpr int kHeader_px = 120;
 constexpr double kSigmas = 2.0;
+constexpr Colour kTruth{120, 126, 132};
 
-// From metres to pixels: upright, or turned by a quarter so that long maps lie.
+using Points = std::vector<Eigen::Vector2d>;
+
+// What the picture must show.
+Points points_of(const MapLayout& layout) {
+  Points points;
+  for (const PlacedRobot& robot : layout.robots) {
+    points.insert(points.end(), robot.path.begin(), robot.path.end());
+  }
+  for (const MapLandmark& mark : layout.landmarks) {
+    if (layout.holds(mark.position_m)) points.push_back(mark.position_m);
+  }
+  return points;
+}
+
+// Middle and size of the turned points' box.
+std::pair<Eigen::Vector2d, Eigen::Vector2d> extent_of(const Points& points,
+                                                      const Eigen::Matrix2d& R) {
+  if (points.empty()) return {Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};
+  Eigen::Vector2d min = R * points.front();
+  Eigen::Vector2d max = min;
+  for (const Eigen::Vector2d& point : points) {
+    const Eigen::Vector2d turned = R * point;
+    min = min.cwiseMin(turned);
+    max = max.cwiseMax(turned);
+  }
+  return {0.5 * (min + max), max - min};
+}
+
+// Turns the map so that robots drive along the page or across it, as they do along walls, and that
+// its longer side lies flat. Segments of the paths vote for their direction modulo a right angle.
+double flat_angle(const MapLayout& layout, const Points& points) {
+  std::complex<double> votes = 0.0;
+  for (const PlacedRobot& robot : layout.robots) {
+    for (std::size_t i = 1; i < robot.path.size(); ++i) {
+      const Eigen::Vector2d step = robot.path[i] - robot.path[i - 1];
+      votes += std::polar(step.norm(), 4.0 * std::atan2(step.y(), step.x()));
+    }
+  }
+  const double angle = -0.25 * std::arg(votes);
+  const Eigen::Vector2d extent = extent_of(points, rotation(angle)).second;
+  return extent.x() < extent.y() ? angle + 0.5 * std::numbers::pi : angle;
+}
+
+// From metres to pixels.
 class View {
  public:
   View(const MapLayout& layout, int legend_px) {
+    const Points points = points_of(layout);
+    turn_ = rotation(flat_angle(layout, points));
     constexpr double kFree_m = 0.7;
     constexpr int kMin_px = 420;
     constexpr int kMax_px = 1200;
-    const Eigen::Vector2d extent =
-        layout.max_m - layout.min_m + Eigen::Vector2d::Constant(2.0 * kFree_m);
-    turned_ = extent.y() > 1.15 * extent.x();
-    const Eigen::Vector2d seen = turned_ ? Eigen::Vector2d(extent.y(), extent.x()) : extent;
+    const auto [middle, extent] = extent_of(points, turn_);
+    const Eigen::Vector2d seen = extent + Eigen::Vector2d::Constant(2.0 * kFree_m);
     const double inner = kWidth_px - 2.0 * kMargin_px;
     scale_ = std::min(inner / seen.x(), kMax_px / seen.y());
     map_px_ = std::max(kMin_px, static_cast<int>(std::ceil(scale_ * seen.y())));
     height_px_ = kHeader_px + map_px_ + legend_px;
-    middle_m_ = 0.5 * (layout.min_m + layout.max_m);
+    middle_m_ = turn_.transpose() * middle;
     middle_px_ = {0.5 * kWidth_px, kHeader_px + 0.5 * map_px_};
   }
 
@@ -52,18 +98,12 @@ class View {
   double map_end_px() const { return kHeader_px + map_px_; }
 
  private:
-  // y points up on the page; turned: the map's y runs to the left.
+  // y points up on the page.
   Eigen::Matrix2d linear() const {
-    Eigen::Matrix2d A;
-    if (turned_) {
-      A << 0.0, -1.0, -1.0, 0.0;
-    } else {
-      A << 1.0, 0.0, 0.0, -1.0;
-    }
-    return scale_ * A;
+    return scale_ * Eigen::Vector2d(1.0, -1.0).asDiagonal() * turn_;
   }
 
-  bool turned_ = false;
+  Eigen::Matrix2d turn_;
   double scale_ = 1.0;
   int map_px_ = 0;
   int height_px_ = 0;
@@ -85,11 +125,11 @@ void draw_landmarks(Canvas& canvas, const View& view, const MapLayout& layout) {
 }
 
 void draw_robots(Canvas& canvas, const View& view, const MapLayout& layout) {
-  for (const PlacedRobot& robot : layout.robots) canvas.path(view(robot.truth), kGrey, 1.2);
   for (std::size_t i = 0; i < layout.robots.size(); ++i) {
     const PlacedRobot& robot = layout.robots[i];
     const Colour colour = robot_colour(i);
     canvas.path(view(robot.path), colour, 2.6);
+    canvas.path(view(robot.truth), kTruth, 1.0);
     if (robot.path.empty()) continue;
     canvas.disc(view(robot.path.front()), 7.0, {255, 255, 255});
     canvas.ring(view(robot.path.front()), 7.0, colour, 2.5);
@@ -104,7 +144,7 @@ void draw_names(Canvas& canvas, const View& view, const MapLayout& layout) {
     const Eigen::Vector2d at = view(robot.path.front()) + Eigen::Vector2d(12.0, -10.0);
     const double width = canvas.text_width(robot.name, 13.0, true);
     const Eigen::Vector2d left(std::min(at.x(), kWidth_px - width - 8.0), at.y());
-    canvas.box(left - Eigen::Vector2d(3.0, 16.0), {width + 6.0, 21.0}, {255, 255, 255});
+    canvas.halo(left, robot.name, 13.0, Anchor::kLeft, true);
     canvas.text(left, robot.name, 13.0, robot_colour(i), Anchor::kLeft, true);
   }
 }
@@ -189,7 +229,7 @@ void draw_legend(Canvas& canvas, const View& view, const MapLayout& layout,
   const bool truth = std::any_of(layout.robots.begin(), layout.robots.end(),
                                  [](const PlacedRobot& robot) { return !robot.truth.empty(); });
   if (truth) {
-    canvas.line({x, y - 5.0}, {x + 44.0, y - 5.0}, kGrey, 1.5);
+    canvas.line({x, y - 5.0}, {x + 44.0, y - 5.0}, kTruth, 1.2);
     entry("ground truth");
   }
   draw_scale(canvas, view, view.map_end_px() + 40.0);
