@@ -3,6 +3,7 @@
 // trajectories and maps are aligned with before their error is measured. Apart from the system's
 // own alignment on purpose.
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -19,7 +20,7 @@ struct RigidFit {
 };
 
 inline RigidFit fit_points(const std::vector<Eigen::Vector2d>& a,
-                          const std::vector<Eigen::Vector2d>& b) {
+                           const std::vector<Eigen::Vector2d>& b) {
   RigidFit fit;
   if (a.empty() || a.size() != b.size()) return fit;
   Eigen::Vector2d mean_a = Eigen::Vector2d::Zero();

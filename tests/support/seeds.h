@@ -30,7 +30,7 @@ class TestSeed {
   }
 
   std::uint64_t value_;
-  testing::ScopedTrace trace_;
+  ::testing::ScopedTrace trace_;
 };
 
 }  // namespace zenith
