@@ -75,6 +75,7 @@ void paint_periodic(Canvas& canvas, const RoomSpec& room, const RoomLayout& layo
   for (double y = gy; y < canvas.height_m(); y += kTile_m) {
     for (double x = gx; x < canvas.width_m(); x += kTile_m) {
       Random same(7);
+      canvas.frame({x + 0.21, y + 0.21, x + 0.39, y + 0.39}, 0.03, paint(0.42));
       paint_fissures(canvas, {x, y, x + kTile_m, y + kTile_m}, same);
     }
   }

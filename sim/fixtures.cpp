@@ -84,6 +84,15 @@ void paint_cable(Canvas& canvas, double x, double y, Random& random) {
   canvas.frame({x - 0.05, y - 0.05, x + 0.05, y + 0.05}, 0.01, paint(0.45));
 }
 
+bool under_lamp(const RoomLayout& layout, double x, double y) {
+  constexpr double kClear_m = 0.25;
+  return std::any_of(layout.lamps.begin(), layout.lamps.end(), [&](const Lamp& lamp) {
+    const Rect& r = lamp.rect;
+    return x > r.x0 - kClear_m && x < r.x1 + kClear_m && y > r.y0 - kClear_m &&
+           y < r.y1 + kClear_m;
+  });
+}
+
 }  // namespace
 
 void paint_fixtures(Canvas& canvas, const RoomSpec& room, const RoomLayout& layout,
@@ -102,7 +111,9 @@ void paint_fixtures(Canvas& canvas, const RoomSpec& room, const RoomLayout& layo
     for (int i = 0; i < count; ++i) {
       const double x = random.uniform(0.15, std::max(0.16, w - 0.15));
       const double y = random.uniform(0.15, std::max(0.16, h - 0.15));
-      draw(x, y, in_grid(x, layout.grid_x - room.rect.x0), in_grid(y, layout.grid_y - room.rect.y0));
+      const double gx = in_grid(x, layout.grid_x - room.rect.x0);
+      const double gy = in_grid(y, layout.grid_y - room.rect.y0);
+      if (!under_lamp(layout, room.rect.x0 + gx, room.rect.y0 + gy)) draw(x, y, gx, gy);
     }
   };
   const double size = grid ? kTile_m - 0.03 : 0.45;

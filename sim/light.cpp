@@ -92,7 +92,7 @@ RoomLight::RoomLight(const RoomSpec& room, const RoomLayout& layout, bool lamps_
     : room_(room), layout_(layout), lamps_on_(lamps_on) {
   Random random = random_stream(seed, "window", index);
   window_side_ = static_cast<int>(random.below(4));
-  // The gain makes the lamps' mean at half height what an ordinary office has.
+  // The gain makes the sum over the lamps 1 on average at half height.
   constexpr int kProbes = 12;
   double sum = 0.0;
   for (int j = 0; j < kProbes; ++j) {
@@ -102,7 +102,7 @@ RoomLight::RoomLight(const RoomSpec& room, const RoomLayout& layout, bool lamps_
                        0.5 * room.ceiling_m});
     }
   }
-  gain_ = sum > 0.0 ? kMeanFromLamps * kProbes * kProbes / sum : 0.0;
+  gain_ = sum > 0.0 ? kProbes * kProbes / sum : 0.0;
 }
 
 double RoomLight::lamps_at(const Eigen::Vector3d& point) const {
@@ -123,8 +123,9 @@ double RoomLight::at(const Eigen::Vector3d& point, int axis) const {
   const double edges[4] = {point.x() - r.x0, r.x1 - point.x(), point.y() - r.y0, r.y1 - point.y()};
   double light = 0.0;
   if (lamps_on_) {
-    light = kBase + std::min(1.2, gain_ * lamps_at(point));
-    if (gain_ == 0.0) light = kBase + kMeanFromLamps;
+    // Compressed, so that nothing but a lamp itself is too bright: 1 at the mean, 1.6 at most.
+    const double near = gain_ > 0.0 ? gain_ * lamps_at(point) : 1.0;
+    light = kBase + kMeanFromLamps * 1.6 * near / (0.6 + near);
   } else {
     light = 0.55 + 0.75 * std::exp(-std::max(0.0, edges[window_side_]) / 4.0);
   }

@@ -1,7 +1,8 @@
 #pragma once
 // Where a room's lamps are and how they light it.
 //
-//   E(p) = base + gain * sum over lamps of A / (|p - p_lamp|^2 + soft^2)
+//   q(p) = gain * sum over lamps of A / (|p - p_lamp|^2 + soft^2),   1 on average
+//   E(p) = 0.55 + 0.45 * 1.6 q / (0.6 + q)
 //
 // relative to ordinary office light; with the lamps off, daylight falls in from one side of the
 // room and fades with the distance from it. Edges and corners are a little darker (occlusion).

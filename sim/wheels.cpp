@@ -48,8 +48,10 @@ std::int32_t whole_mm(double start_mm, double travel_m) {
 
 WheelErrors draw_wheel_errors(const WheelSpec& spec, Random& random) {
   WheelErrors errors;
-  errors.left_scale = 1.0 + spec.scale_sigma * random.normal();
-  errors.right_scale = 1.0 + spec.scale_sigma * random.normal();
+  const double both = spec.scale_sigma * random.normal();
+  const double half_difference = 0.5 * spec.unequal_sigma * random.normal();
+  errors.left_scale = 1.0 + both + half_difference;
+  errors.right_scale = 1.0 + both - half_difference;
   errors.track_width_m = spec.track_width_m * (1.0 + spec.track_sigma * random.normal());
   return errors;
 }
@@ -70,8 +72,10 @@ std::vector<CanFrame> drive_wheels(const DrivenPath& path, double duration_s, Ti
   double reported_left_before = 0.0;
   double reported_right_before = 0.0;
   std::vector<CanFrame> bus;
-  bus.reserve(2 * static_cast<std::size_t>(frames));
-  for (int frame = 0; frame < frames; ++frame) {
+  bus.reserve(2 * static_cast<std::size_t>(frames + 8));
+  // The bus talks before the first camera frame does.
+  constexpr int kEarlier = 5;
+  for (int frame = -kEarlier; frame < frames; ++frame) {
     const double time_s = frame / kWheelRate_hz;
     const Time stamp =
         start + Duration::from_seconds(time_s + random.uniform(0.0, kMaxDelay_s));

@@ -28,7 +28,8 @@ WheelErrors draw_wheel_errors(const WheelSpec& spec, Random& random);
 inline constexpr double kWheelRate_hz = 100.0;
 
 // The bus of the whole run: an odometer (0x311) and a motion frame (0x221) every 10 ms, with
-// stamps up to 0.4 ms late. `start` is the time of the run's beginning.
+// stamps up to 0.4 ms late. `start` is the time of the run's beginning; the first
+// frames come 50 ms before it.
 std::vector<CanFrame> drive_wheels(const DrivenPath& path, double duration_s, Time start,
                                    const WheelSpec& spec, const WheelErrors& errors,
                                    Random& random);

@@ -115,6 +115,7 @@ void read_wheels(const toml::table& table, TomlErrors& errors, WheelSpec& wheels
   TomlReader in(table, errors);
   in.number("track_width_m", wheels.track_width_m, 0.1, 2.0);
   in.number("scale_sigma", wheels.scale_sigma, 0.0, 0.1);
+  in.number("unequal_sigma", wheels.unequal_sigma, 0.0, 0.1);
   in.number("track_sigma", wheels.track_sigma, 0.0, 0.1);
   in.number("slip_sigma_per_sqrt_m", wheels.slip_sigma_per_sqrt_m, 0.0, 0.1);
   in.number("drift_sigma", wheels.drift_sigma, 0.0, 0.1);
