@@ -17,7 +17,7 @@
 namespace zenith::sim {
 
 struct PixelRay {
-  float d[3] = {};    // unit length
+  float d[3] = {};  // unit length
   float d_u[3] = {};
   float d_v[3] = {};
   float slope = 0.0F;  // z over the horizontal distance

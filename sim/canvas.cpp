@@ -16,8 +16,7 @@ Canvas::Canvas(double width_m, double height_m, double texel_m, double value)
       values_(static_cast<std::size_t>(columns_) * rows_, static_cast<float>(value)) {}
 
 template <typename Coverage>
-void Canvas::cover(double x0, double y0, double x1, double y1, const Ink& ink,
-                   Coverage coverage) {
+void Canvas::cover(double x0, double y0, double x1, double y1, const Ink& ink, Coverage coverage) {
   const int i0 = std::max(0, static_cast<int>(std::floor(x0 / texel_m_)));
   const int j0 = std::max(0, static_cast<int>(std::floor(y0 / texel_m_)));
   const int i1 = std::min(columns_, static_cast<int>(std::ceil(x1 / texel_m_)));
@@ -84,10 +83,9 @@ void Canvas::line(double x0, double y0, double x1, double y1, double line_m, con
   const double dy = y1 - y0;
   const double length2 = std::max(1e-12, dx * dx + dy * dy);
   const double thin = std::min(1.0, line_m / texel_m_);
-  cover(std::min(x0, x1) - r, std::min(y0, y1) - r, std::max(x0, x1) + r, std::max(y0, y1) + r,
-        ink, [&](double px, double py) {
-          const double t =
-              std::clamp(((px - x0) * dx + (py - y0) * dy) / length2, 0.0, 1.0);
+  cover(std::min(x0, x1) - r, std::min(y0, y1) - r, std::max(x0, x1) + r, std::max(y0, y1) + r, ink,
+        [&](double px, double py) {
+          const double t = std::clamp(((px - x0) * dx + (py - y0) * dy) / length2, 0.0, 1.0);
           const double ex = px - x0 - t * dx;
           const double ey = py - y0 - t * dy;
           const double d = std::sqrt(ex * ex + ey * ey);

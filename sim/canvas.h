@@ -21,7 +21,9 @@ struct Ink {
 inline Ink paint(double value, double alpha = 1.0) {
   return {static_cast<float>(value), static_cast<float>(alpha), false};
 }
-inline Ink shade(double factor) { return {static_cast<float>(factor), 1.0F, true}; }
+inline Ink shade(double factor) {
+  return {static_cast<float>(factor), 1.0F, true};
+}
 
 class Canvas {
  public:
@@ -42,8 +44,7 @@ class Canvas {
   void ring(double x, double y, double radius_m, double line_m, const Ink& ink);
   void line(double x0, double y0, double x1, double y1, double line_m, const Ink& ink);
   // An irregular spot: a disc whose radius wobbles, with a soft edge.
-  void blob(double x, double y, double radius_m, double softness_m, const Ink& ink,
-            Random& random);
+  void blob(double x, double y, double radius_m, double softness_m, const Ink& ink, Random& random);
   // Times 1 + amplitude * smooth noise with features of about `size_m`.
   void mottle(double size_m, double amplitude, Random& random);
   // Each texel times 1 - depth * u^power, u uniform: fine pores.

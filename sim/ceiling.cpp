@@ -159,10 +159,18 @@ void paint_ceiling(Canvas& canvas, const RoomSpec& room, const RoomLayout& layou
                    std::uint64_t seed, std::size_t index) {
   Random random = random_stream(seed, "ceiling", index);
   switch (room.ceiling) {
-    case CeilingStyle::kTiles: paint_tiles(canvas, room, layout, random); break;
-    case CeilingStyle::kPlaster: paint_plaster(canvas, room, random); break;
-    case CeilingStyle::kConcrete: paint_concrete(canvas, room, random); break;
-    case CeilingStyle::kPeriodic: paint_periodic(canvas, room, layout); break;
+    case CeilingStyle::kTiles:
+      paint_tiles(canvas, room, layout, random);
+      break;
+    case CeilingStyle::kPlaster:
+      paint_plaster(canvas, room, random);
+      break;
+    case CeilingStyle::kConcrete:
+      paint_concrete(canvas, room, random);
+      break;
+    case CeilingStyle::kPeriodic:
+      paint_periodic(canvas, room, layout);
+      break;
     case CeilingStyle::kBlank:
       canvas.rect({0.0, 0.0, canvas.width_m(), canvas.height_m()}, paint(0.74));
       canvas.mottle(1.5, 0.008, random);

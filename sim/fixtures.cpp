@@ -88,8 +88,7 @@ bool under_lamp(const RoomLayout& layout, double x, double y) {
   constexpr double kClear_m = 0.25;
   return std::any_of(layout.lamps.begin(), layout.lamps.end(), [&](const Lamp& lamp) {
     const Rect& r = lamp.rect;
-    return x > r.x0 - kClear_m && x < r.x1 + kClear_m && y > r.y0 - kClear_m &&
-           y < r.y1 + kClear_m;
+    return x > r.x0 - kClear_m && x < r.x1 + kClear_m && y > r.y0 - kClear_m && y < r.y1 + kClear_m;
   });
 }
 

@@ -7,7 +7,6 @@
 
 namespace zenith::sim {
 
-void paint_fixtures(Canvas& canvas, const RoomSpec& room, const RoomLayout& layout,
-                    Random& random);
+void paint_fixtures(Canvas& canvas, const RoomSpec& room, const RoomLayout& layout, Random& random);
 
 }  // namespace zenith::sim

@@ -31,8 +31,8 @@ std::size_t room_of(const WorldFile& world, const Rect& rect) {
 Status check(const WorldFile& world) {
   std::string text;
   const auto complain = [&](unsigned line, const std::string& message) {
-    text += (text.empty() ? "" : "\n") + world.name + ".toml:" + std::to_string(line) + ": " +
-            message;
+    text +=
+        (text.empty() ? "" : "\n") + world.name + ".toml:" + std::to_string(line) + ": " + message;
   };
   for (std::size_t i = 0; i < world.rooms.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
@@ -75,8 +75,12 @@ std::size_t cell_of(const std::vector<double>& edges, double value) {
 
 }  // namespace
 
-std::size_t FloorPlan::column(double x) const { return cell_of(xs_, x); }
-std::size_t FloorPlan::row(double y) const { return cell_of(ys_, y); }
+std::size_t FloorPlan::column(double x) const {
+  return cell_of(xs_, x);
+}
+std::size_t FloorPlan::row(double y) const {
+  return cell_of(ys_, y);
+}
 
 // Five facets in the order of FacetPart; returns the id of the horizontal one.
 FacetId FloorPlan::add_facets(FacetOwner owner, std::size_t index, const Rect& rect,
@@ -164,8 +168,8 @@ Result<FloorPlan> FloorPlan::build(const WorldFile& world) {
                           f(plan.ys_.back()), FacetOwner::kFloor, 0, FacetPart::kHorizontal});
   for (std::size_t i = 0; i < world.rooms.size(); ++i) {
     const RoomSpec& room = world.rooms[i];
-    const FacetId first = plan.add_facets(FacetOwner::kRoom, i, room.rect, room.ceiling_m, 0.0,
-                                          room.ceiling_m);
+    const FacetId first =
+        plan.add_facets(FacetOwner::kRoom, i, room.rect, room.ceiling_m, 0.0, room.ceiling_m);
     plan.fill_cells(room.rect, room.ceiling_m, first, false);
   }
   for (std::size_t i = 0; i < world.doors.size(); ++i) {

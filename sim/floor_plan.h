@@ -25,8 +25,8 @@ enum class FacetPart { kHorizontal, kWest, kEast, kSouth, kNorth };
 
 // In-plane coordinates (a, b): (x, y) for axis 2, (y, z) for axis 0, (x, z) for axis 1.
 struct Facet {
-  int axis = 2;          // of the normal
-  float offset = 0.0F;   // the plane: coordinate[axis] = offset
+  int axis = 2;         // of the normal
+  float offset = 0.0F;  // the plane: coordinate[axis] = offset
   float a0 = 0.0F, a1 = 0.0F, b0 = 0.0F, b1 = 0.0F;
   FacetOwner owner = FacetOwner::kFloor;
   std::size_t index = 0;  // of the room, door or box in the world file
@@ -41,10 +41,10 @@ struct Hole {
 };
 
 struct Cell {
-  float height = 0.0F;          // 0: solid
-  FacetId ceiling = kNoFacet;   // the horizontal facet above
-  FacetId space = kNoFacet;     // first side facet of the room or door (west, east, south, north)
-  FacetId box = kNoFacet;       // first side facet of the box, if one hangs here
+  float height = 0.0F;         // 0: solid
+  FacetId ceiling = kNoFacet;  // the horizontal facet above
+  FacetId space = kNoFacet;    // first side facet of the room or door (west, east, south, north)
+  FacetId box = kNoFacet;      // first side facet of the box, if one hangs here
 };
 
 class FloorPlan {

@@ -15,10 +15,14 @@ constexpr double kOcclusion_m = 0.15;
 
 double lamp_spacing(LampStyle style) {
   switch (style) {
-    case LampStyle::kPanels: return 2.4;
-    case LampStyle::kTubes: return 2.7;
-    case LampStyle::kRound: return 1.9;
-    case LampStyle::kNone: break;
+    case LampStyle::kPanels:
+      return 2.4;
+    case LampStyle::kTubes:
+      return 2.7;
+    case LampStyle::kRound:
+      return 1.9;
+    case LampStyle::kNone:
+      break;
   }
   return 1e9;
 }
@@ -97,9 +101,9 @@ RoomLight::RoomLight(const RoomSpec& room, const RoomLayout& layout, bool lamps_
   double sum = 0.0;
   for (int j = 0; j < kProbes; ++j) {
     for (int i = 0; i < kProbes; ++i) {
-      sum += lamps_at({room.rect.x0 + (i + 0.5) / kProbes * room.rect.width(),
-                       room.rect.y0 + (j + 0.5) / kProbes * room.rect.depth(),
-                       0.5 * room.ceiling_m});
+      sum +=
+          lamps_at({room.rect.x0 + (i + 0.5) / kProbes * room.rect.width(),
+                    room.rect.y0 + (j + 0.5) / kProbes * room.rect.depth(), 0.5 * room.ceiling_m});
     }
   }
   gain_ = sum > 0.0 ? kProbes * kProbes / sum : 0.0;

@@ -108,14 +108,13 @@ DrivenPath::DrivenPath(const std::vector<Eigen::Vector2d>& waypoints, double sta
       const double time = static_cast<double>(step) * kStep_s;
       const double factor =
           0.92 + 0.08 * std::sin(2.0 * std::numbers::pi * time / period_s + phase);
-      command = pursue(state, line.at(s + limits.lookahead_m), remaining, factor, limits,
-                       spinning);
+      command = pursue(state, line.at(s + limits.lookahead_m), remaining, factor, limits, spinning);
       if (remaining < kArrived_m) command = {0.0, 0.0};
     }
-    state.speed_mps = towards(state.speed_mps, command.speed_mps,
-                              limits.acceleration_mps2 * kStep_s);
-    state.turn_radps = towards(state.turn_radps, command.turn_radps,
-                               limits.turn_acceleration_radps2 * kStep_s);
+    state.speed_mps =
+        towards(state.speed_mps, command.speed_mps, limits.acceleration_mps2 * kStep_s);
+    state.turn_radps =
+        towards(state.turn_radps, command.turn_radps, limits.turn_acceleration_radps2 * kStep_s);
     integrate(state, kStep_s);
     states_.push_back(state);
   }

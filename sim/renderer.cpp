@@ -116,8 +116,8 @@ void Renderer::shade_row(const Eye& eye, int row) {
   const int stride = camera_.width() + 2;
   const FacetId* at = facets_.data() + static_cast<std::size_t>(row + 1) * stride + 1 + span.first;
   float* out = radiance_.data() + static_cast<std::size_t>(row) * camera_.width();
-  const std::array<int, 8> neighbours = {-stride - 1, -stride, -stride + 1, -1,
-                                         1,           stride - 1, stride,   stride + 1};
+  const std::array<int, 8> neighbours = {-stride - 1, -stride,    -stride + 1, -1,
+                                         1,           stride - 1, stride,      stride + 1};
   for (int u = span.first; u < span.last; ++u, ++ray, ++at) {
     std::array<FacetId, kMaxAround> around = {*at};
     int count = 1;
@@ -128,8 +128,8 @@ void Renderer::shade_row(const Eye& eye, int row) {
       for (int i = 1; i < count; ++i) known = known || around[static_cast<std::size_t>(i)] == id;
       if (!known) around[static_cast<std::size_t>(count++)] = id;
     }
-    const float value = count == 1 ? shade_inside(eye, *ray, *at)
-                                   : shade_edge(eye, *ray, around.data(), count);
+    const float value =
+        count == 1 ? shade_inside(eye, *ray, *at) : shade_edge(eye, *ray, around.data(), count);
     out[u] = value * ray->gain;
   }
 }

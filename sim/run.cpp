@@ -15,8 +15,7 @@ constexpr double kFirstRest_s = 1.0;
 constexpr int kPathAttempts = 8;
 
 // What is true where the calibration says something else.
-RobotConfig draw_truth(const RobotConfig& believed, const CalibrationError& error,
-                       Random& random) {
+RobotConfig draw_truth(const RobotConfig& believed, const CalibrationError& error, Random& random) {
   RobotConfig truth = believed;
   truth.lens.cu_px += error.principal_px * random.normal();
   truth.lens.cv_px += error.principal_px * random.normal();

@@ -92,10 +92,18 @@ struct Painter {
                   static_cast<double>(facet.b1) - facet.b0, texel, 0.6);
     Random random = random_stream(seed, "facet", id);
     switch (facet.owner) {
-      case FacetOwner::kFloor: paint_floor(canvas, random); break;
-      case FacetOwner::kDoor: paint_door_reveal(canvas); break;
-      case FacetOwner::kRoom: paint_room(canvas, facet, random); break;
-      case FacetOwner::kBox: paint_hanging(canvas, facet, random); break;
+      case FacetOwner::kFloor:
+        paint_floor(canvas, random);
+        break;
+      case FacetOwner::kDoor:
+        paint_door_reveal(canvas);
+        break;
+      case FacetOwner::kRoom:
+        paint_room(canvas, facet, random);
+        break;
+      case FacetOwner::kBox:
+        paint_hanging(canvas, facet, random);
+        break;
     }
     return canvas.texture();
   }

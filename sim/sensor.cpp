@@ -18,8 +18,8 @@ Sensor::Sensor(const CameraSpec& camera, double exposure_ev)
       gain_(static_cast<float>(kValueOfWhite * std::exp2(exposure_ev))),
       side_(static_cast<float>(0.5 * camera.blur_px * camera.blur_px)),
       values_per_e_(static_cast<float>(255.0 / camera.full_well_e)),
-      read_variance_(static_cast<float>(std::pow(camera.read_noise_e * 255.0 / camera.full_well_e,
-                                                 2.0))),
+      read_variance_(
+          static_cast<float>(std::pow(camera.read_noise_e * 255.0 / camera.full_well_e, 2.0))),
       normal_(kTableSize + width_),
       column_blurred_(width_ + 2, 0.0F) {
   Random random(20'240'229);

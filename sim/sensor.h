@@ -26,8 +26,8 @@ class Sensor {
  private:
   std::size_t width_;
   std::size_t height_;
-  float gain_;           // pixel values per radiance
-  float side_;           // a
+  float gain_;  // pixel values per radiance
+  float side_;  // a
   float values_per_e_;
   float read_variance_;  // pixel values squared
   std::vector<float> normal_;

@@ -24,8 +24,12 @@ CameraMotion camera_motion(const Run& run, double time_s, double exposure_s) {
   const Pose2 middle = camera_at(time_s);
   const Pose2 begin = camera_at(time_s - 0.5 * exposure_s);
   const Pose2 end = camera_at(time_s + 0.5 * exposure_s);
-  return {middle.x_m,           middle.y_m,           run.truth.mount.z_m,
-          middle.theta_rad,     end.x_m - begin.x_m,  end.y_m - begin.y_m,
+  return {middle.x_m,
+          middle.y_m,
+          run.truth.mount.z_m,
+          middle.theta_rad,
+          end.x_m - begin.x_m,
+          end.y_m - begin.y_m,
           end.theta_rad - begin.theta_rad};
 }
 
@@ -67,9 +71,15 @@ RobotDrive::~RobotDrive() = default;
 RobotDrive::RobotDrive(RobotDrive&&) noexcept = default;
 RobotDrive& RobotDrive::operator=(RobotDrive&&) noexcept = default;
 
-const std::string& RobotDrive::name() const { return state_->spec.name; }
-const RobotConfig& RobotDrive::config() const { return state_->run.believed; }
-const RobotConfig& RobotDrive::truth() const { return state_->run.truth; }
+const std::string& RobotDrive::name() const {
+  return state_->spec.name;
+}
+const RobotConfig& RobotDrive::config() const {
+  return state_->run.believed;
+}
+const RobotConfig& RobotDrive::truth() const {
+  return state_->run.truth;
+}
 
 int RobotDrive::frame_count() const {
   return static_cast<int>(
@@ -135,8 +145,12 @@ Result<Simulation> Simulation::load(const std::filesystem::path& world_toml,
   return Simulation(std::move(world));
 }
 
-const std::string& Simulation::name() const { return world_->file.name; }
-std::size_t Simulation::robot_count() const { return world_->file.robots.size(); }
+const std::string& Simulation::name() const {
+  return world_->file.name;
+}
+std::size_t Simulation::robot_count() const {
+  return world_->file.robots.size();
+}
 
 RobotDrive Simulation::drive(std::size_t robot) const {
   assert(robot < robot_count());

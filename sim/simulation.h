@@ -63,7 +63,8 @@ class RobotDrive {
 
 class Simulation {
  public:
-  static Result<Simulation> load(const std::filesystem::path& world_toml, const SimOptions& options);
+  static Result<Simulation> load(const std::filesystem::path& world_toml,
+                                 const SimOptions& options);
   ~Simulation();
   Simulation(Simulation&&) noexcept;
   Simulation& operator=(Simulation&&) noexcept;

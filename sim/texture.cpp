@@ -48,8 +48,7 @@ void Texture::append_level(int level, int width, int height, const std::vector<f
   l.start = static_cast<int>(texels_.size());
   texels_.reserve(texels_.size() + static_cast<std::size_t>(l.stride) * (height + 1));
   for (int j = 0; j <= height; ++j) {
-    const float* row =
-        radiance.data() + static_cast<std::size_t>(std::min(j, height - 1)) * width;
+    const float* row = radiance.data() + static_cast<std::size_t>(std::min(j, height - 1)) * width;
     for (int i = 0; i <= width; ++i) {
       const float value = std::clamp(row[std::min(i, width - 1)] / kUnit + 0.5F, 0.0F, 65535.0F);
       texels_.push_back(static_cast<std::uint16_t>(value));

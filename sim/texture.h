@@ -44,10 +44,10 @@ class Texture {
   static constexpr float kUnit = 1.0F / 4096.0F;
 
   struct Level {
-    float scale = 1.0F;   // texels of this level per texel of level 0
-    float max_x = 0.0F;   // largest coordinate whose right neighbour exists
+    float scale = 1.0F;  // texels of this level per texel of level 0
+    float max_x = 0.0F;  // largest coordinate whose right neighbour exists
     float max_y = 0.0F;
-    int stride = 0;       // one texel more than the width, the last one repeated
+    int stride = 0;  // one texel more than the width, the last one repeated
     int start = 0;
   };
 

@@ -8,9 +8,8 @@ namespace zenith::sim {
 namespace {
 
 bool clear_of(const std::vector<Opening>& openings, double a0, double a1) {
-  return std::none_of(openings.begin(), openings.end(), [&](const Opening& o) {
-    return a0 < o.a1 + 0.15 && a1 > o.a0 - 0.15;
-  });
+  return std::none_of(openings.begin(), openings.end(),
+                      [&](const Opening& o) { return a0 < o.a1 + 0.15 && a1 > o.a0 - 0.15; });
 }
 
 void paint_poster(Canvas& canvas, const Rect& r, Random& random) {
@@ -158,9 +157,9 @@ void paint_sign(Canvas& canvas, const LitSign& sign) {
     const double xb = x(u1);
     canvas.rect({std::min(xa, xb), r.y0 + v0, std::max(xa, xb), r.y0 + v1}, paint(1.5));
   };
-  bar(0.04, 0.07, 0.14, 0.11);   // arrow's shaft
-  bar(0.14, 0.04, 0.17, 0.14);   // arrow's head
-  bar(0.22, 0.03, 0.30, 0.15);   // the door
+  bar(0.04, 0.07, 0.14, 0.11);  // arrow's shaft
+  bar(0.14, 0.04, 0.17, 0.14);  // arrow's head
+  bar(0.22, 0.03, 0.30, 0.15);  // the door
   canvas.frame(r, 0.012, paint(0.9));
 }
 

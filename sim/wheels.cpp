@@ -77,8 +77,7 @@ std::vector<CanFrame> drive_wheels(const DrivenPath& path, double duration_s, Ti
   constexpr int kEarlier = 5;
   for (int frame = -kEarlier; frame < frames; ++frame) {
     const double time_s = frame / kWheelRate_hz;
-    const Time stamp =
-        start + Duration::from_seconds(time_s + random.uniform(0.0, kMaxDelay_s));
+    const Time stamp = start + Duration::from_seconds(time_s + random.uniform(0.0, kMaxDelay_s));
     bus.push_back(agilex_v2::encode_odometer(
         stamp, {whole_mm(left_start_mm, left_m), whole_mm(right_start_mm, right_m)}));
     const double v_left = (left_m - reported_left_before) * kWheelRate_hz;

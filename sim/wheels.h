@@ -18,7 +18,7 @@
 namespace zenith::sim {
 
 struct WheelErrors {
-  double left_scale = 1.0;   // report per true travel
+  double left_scale = 1.0;  // report per true travel
   double right_scale = 1.0;
   double track_width_m = 0.4;
 };

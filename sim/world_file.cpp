@@ -10,17 +10,18 @@ namespace {
 constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 
 constexpr std::pair<std::string_view, CeilingStyle> kCeilingNames[] = {
-    {"tiles", CeilingStyle::kTiles},       {"plaster", CeilingStyle::kPlaster},
-    {"concrete", CeilingStyle::kConcrete}, {"periodic", CeilingStyle::kPeriodic},
+    {"tiles", CeilingStyle::kTiles},
+    {"plaster", CeilingStyle::kPlaster},
+    {"concrete", CeilingStyle::kConcrete},
+    {"periodic", CeilingStyle::kPeriodic},
     {"blank", CeilingStyle::kBlank}};
 constexpr std::pair<std::string_view, LampStyle> kLampNames[] = {{"panels", LampStyle::kPanels},
                                                                  {"tubes", LampStyle::kTubes},
                                                                  {"round", LampStyle::kRound},
                                                                  {"none", LampStyle::kNone}};
-constexpr std::pair<std::string_view, WallStyle> kWallNames[] = {
-    {"office", WallStyle::kOffice},
-    {"periodic", WallStyle::kPeriodic},
-    {"blank", WallStyle::kBlank}};
+constexpr std::pair<std::string_view, WallStyle> kWallNames[] = {{"office", WallStyle::kOffice},
+                                                                 {"periodic", WallStyle::kPeriodic},
+                                                                 {"blank", WallStyle::kBlank}};
 constexpr std::pair<std::string_view, BoxKind> kBoxNames[] = {{"beam", BoxKind::kBeam},
                                                               {"duct", BoxKind::kDuct},
                                                               {"pipe", BoxKind::kPipe},

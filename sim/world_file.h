@@ -67,7 +67,7 @@ struct CameraSpec {
   double exposure_ms = 8.0;
   double full_well_e = 12000.0;  // electrons at pixel value 255
   double read_noise_e = 15.0;
-  double blur_px = 0.5;          // standard deviation of the lens's point spread
+  double blur_px = 0.5;  // standard deviation of the lens's point spread
 };
 
 // Standard deviations of what the calibration gets wrong; drawn once per robot and seed.
@@ -85,24 +85,24 @@ struct WheelSpec {
   // it, so it is what a straight drive along a tape leaves (UMBmark reaches 0.1 to 0.3 %). Unequal
   // wheels are what bends odometry. Both constant for a run.
   double scale_sigma = 0.0015;
-  double unequal_sigma = 0.01;        // of the difference of the two wheels
-  double track_sigma = 0.01;          // relative
+  double unequal_sigma = 0.01;  // of the difference of the two wheels
+  double track_sigma = 0.01;    // relative
   double slip_sigma_per_sqrt_m = 0.003;
-  double drift_sigma = 0.002;         // of the scale, slow: time constant 20 s
-  double slip_events_per_m = 0.01;    // a wheel turns 1 to 4 cm too far
+  double drift_sigma = 0.002;       // of the scale, slow: time constant 20 s
+  double slip_events_per_m = 0.01;  // a wheel turns 1 to 4 cm too far
 };
 
 struct RobotSpec {
   std::string name;
   std::vector<Eigen::Vector2d> path;  // way-points
   double speed_mps = 0.5;
-  double jitter_m = 0.08;             // way-points move by up to this much in x and y, per seed
+  double jitter_m = 0.08;  // way-points move by up to this much in x and y, per seed
   double start_heading_deg = 0.0;
-  bool has_start_heading = false;     // otherwise towards the second way-point
+  bool has_start_heading = false;  // otherwise towards the second way-point
   double exposure_ev = 0.0;
-  double exposure_ms = 0.0;           // 0: the camera's
+  double exposure_ms = 0.0;  // 0: the camera's
   bool lamps_on = true;
-  double start_delay_s = 0.0;         // stands still this long first
+  double start_delay_s = 0.0;  // stands still this long first
   unsigned line = 0;
 };
 

@@ -182,10 +182,10 @@ TEST(Skyline, AgreesWithBruteForce) {
         }
         if (!same) continue;
         ++compared;
-        const FacetId seen = skyline.facet(static_cast<float>(turn),
-                                           static_cast<float>(std::tan(elevation)));
-        ASSERT_EQ(seen, hit.facet) << name << " from " << eye.transpose() << " towards " << angle
-                                   << ", " << elevation;
+        const FacetId seen =
+            skyline.facet(static_cast<float>(turn), static_cast<float>(std::tan(elevation)));
+        ASSERT_EQ(seen, hit.facet)
+            << name << " from " << eye.transpose() << " towards " << angle << ", " << elevation;
       }
     }
     EXPECT_GT(compared, 2000);
@@ -195,8 +195,7 @@ TEST(Skyline, AgreesWithBruteForce) {
 TEST(RenderedGeometry, LimitedViewIsTheSamePictureWithinItsCircle) {
   const TestWorld file(exact_room());
   const auto render = [&](double angle_deg) {
-    auto simulation =
-        Simulation::load(file.path(), {.seed = 3, .max_view_angle_deg = angle_deg});
+    auto simulation = Simulation::load(file.path(), {.seed = 3, .max_view_angle_deg = angle_deg});
     SimFrame frame;
     std::vector<CanFrame> can;
     EXPECT_TRUE(simulation->drive(0).next(frame, can));

@@ -40,9 +40,9 @@ path = [[1, 1]]
   ASSERT_FALSE(loaded.ok());
   const std::string& text = loaded.error().message;
   std::size_t at = 0;
-  for (const char* part : {":1: frame_rate_hz: expected 1 to 60, found 900", ":4: rect:",
-                           ":5: ceiling: expected one of tiles, plaster", ":7: name:",
-                           ":8: path:"}) {
+  for (const char* part :
+       {":1: frame_rate_hz: expected 1 to 60, found 900",
+        ":4: rect:", ":5: ceiling: expected one of tiles, plaster", ":7: name:", ":8: path:"}) {
     at = text.find(part, at);
     EXPECT_NE(at, std::string::npos) << part << " is missing or out of order in\n" << text;
     if (at == std::string::npos) at = 0;
