@@ -28,7 +28,7 @@ bool FeatureExtractor::sees(const Eigen::Vector2d& m, int margin_px) const {
                          static_cast<int>(std::lround(at.y())), margin_px);
 }
 
-const Features& FeatureExtractor::extract(const ImageView& frame) {
+Features& FeatureExtractor::extract(const ImageView& frame) {
   Corners& corners = corners_[0];
   Features& features = features_[0];
   features.clear();

@@ -21,7 +21,7 @@ class FeatureExtractor {
   void build(const RobotConfig& robot, const Parameters& parameters);
 
   // Features of a frame, strongest first; valid until the next call.
-  const Features& extract(const ImageView& frame);
+  Features& extract(const ImageView& frame);
 
   // The last frame's.
   const Features& features() const { return features_[0]; }

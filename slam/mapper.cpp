@@ -48,6 +48,7 @@ void Mapper::build(const RobotConfig& robot, const Parameters& parameters, std::
   pixel_ = 1.0 / f;
   association_.min_radius = 1.5 * pixel_;
   map_.reset();
+  tilt_.reset(p_.tilt_sigma_deg * kDegree);
   const auto n = static_cast<std::size_t>(particles_.count);
   std::fill_n(particles_.weight.begin(), n, 1.0 / static_cast<double>(n));
   place_cameras(particles_, lever_m());
@@ -60,7 +61,7 @@ bool Mapper::worth_using(const WheelTravel& travel) const {
          std::abs(moved.theta_rad) >= p_.min_turn_deg * kDegree;
 }
 
-void Mapper::update(const WheelTravel& travel, const Features& features,
+void Mapper::update(const WheelTravel& travel, Features& features,
                     const FeatureExtractor& view) {
   const MotionNoise noise = {p_.wheel_noise_per_sqrt_m, p_.wheel_noise_floor_m,
                              p_.lateral_noise_per_sqrt_m};
@@ -71,17 +72,24 @@ void Mapper::update(const WheelTravel& travel, const Features& features,
   } else {
     move_by_sample(particles_, motion_, random_);
   }
-  place_cameras(particles_, lever_m());
   pose_ = estimate_pose(particles_);
+  for (Feature& f : features) {
+    const Eigen::Vector2d shift = tilt_shift({f.zx, f.zy}, tilt_.tau());
+    f.zx += static_cast<float>(shift.x());
+    f.zy += static_cast<float>(shift.y());
+  }
+  place_cameras(particles_, lever_m());
 
   predict_candidates(view);
   associate(features);
+  if (tilt_.enabled()) learn_tilt(features);
   weigh_and_move(features);
   effective_ = normalise_weights(particles_);
   pose_ = estimate_pose(particles_);
   update_landmarks(features);
   keep(candidates_[0]);
   start_landmarks(features);
+  if (tilt_.enabled()) move_by_tilt(tilt_.end_frame());
   resample_if_needed();
   first_ = false;
 }
@@ -254,6 +262,57 @@ void Mapper::follow_old_map() {
   }
 }
 
+// Propagates how pose and landmarks depend on the tilt, and what the residuals tell of it. Runs
+// before the particles move, at the one that weighs most.
+void Mapper::learn_tilt(const Features& features) {
+  const auto n = static_cast<std::ptrdiff_t>(particles_.count);
+  const int best = static_cast<int>(
+      std::max_element(particles_.weight.begin(), particles_.weight.begin() + n) -
+      particles_.weight.begin());
+  const Eigen::Vector2d moved =
+      rotation(pose_.mean.theta_rad - motion_.mean.theta_rad) * motion_.mean.position();
+  pose_by_tilt_.row(0) -= moved.y() * pose_by_tilt_.row(2);
+  pose_by_tilt_.row(1) += moved.x() * pose_by_tilt_.row(2);
+
+  const Eigen::Matrix3d Q = motion_.covariance + 4e-10 * Eigen::Matrix3d::Identity();
+  tilt_.begin_frame(Q.llt().solve(Eigen::Matrix3d::Identity()));
+  const auto for_each_inlier = [&](auto&& visit) {
+    for (const Candidate& c : candidates_[0]) {
+      if (!c.inlier) continue;
+      const Feature& f = features[static_cast<std::size_t>(c.corner)];
+      const Eigen::Vector2d z(f.zx, f.zy);
+      const ObservationModel model = linearise(map_.rows(c.slot), particles_.camera, best,
+                                               lever_m(), static_cast<double>(noise_));
+      visit(c, z, model,
+            residual_sensitivity(model, z, map_.by_tilt(c.slot), pose_by_tilt_,
+                                 map_.anchor_by_tilt(c.slot)));
+    }
+  };
+  for_each_inlier([&](const Candidate& c, const Eigen::Vector2d& z, const ObservationModel&,
+                      const Eigen::Matrix2d& D) {
+    if (!c.promoted) return;
+    const Eigen::Matrix2d W = c.own.inverse();
+    const Eigen::Vector2d r = z - c.m;
+    const Eigen::Vector2d after = r - c.G * correction_.xi;
+    tilt_.add(r, c.G, D, W / (1.0 + after.dot(W * after) / 4.0));
+  });
+  PoseSensitivity gain = tilt_.pose_gain();
+  gain.topRows<2>() = rotation(pose_.mean.theta_rad) * gain.topRows<2>();
+  pose_by_tilt_ += gain;
+  for_each_inlier([&](const Candidate& c, const Eigen::Vector2d&, const ObservationModel& model,
+                      const Eigen::Matrix2d& D) { map_.by_tilt(c.slot) += model.gain * D; });
+}
+
+// The tilt was learned a little better: poses move with it now, landmarks when next touched.
+void Mapper::move_by_tilt(const Eigen::Vector2d& step) {
+  const Eigen::Vector3d move = pose_by_tilt_ * step;
+  for (int i = 0; i < particles_.count; ++i) {
+    const Pose2 pose = particles_.pose(i);
+    particles_.set_pose(i, {pose.x_m + move.x(), pose.y_m + move.y(), pose.theta_rad + move.z()});
+  }
+  map_.set_tilt(tilt_.tau());
+}
+
 void Mapper::weigh_and_move(const Features& features) {
   const bool optimal = p_.optimal_proposal != 0;
   const auto lever = lever_m().cast<float>().eval();
@@ -339,7 +398,7 @@ void Mapper::start_landmarks(const Features& features) {
   if (!first_ && travelled_m_ - anchor_travel_m_ < p_.anchor_distance_m && turned < 5.0 * kDegree) {
     return;
   }
-  const int anchor = map_.create_anchor(particles_.camera);
+  const int anchor = map_.create_anchor(particles_.camera, pose_by_tilt_);
   if (anchor < 0) {
     ++counters_.landmarks_rejected_full;
     return;

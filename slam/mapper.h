@@ -10,6 +10,7 @@
 #include "slam/filter/motion.h"
 #include "slam/filter/particles.h"
 #include "slam/filter/proposal.h"
+#include "slam/filter/tilt.h"
 #include "slam/map/association.h"
 #include "slam/map/map.h"
 #include "slam/parameters.h"
@@ -40,7 +41,8 @@ class Mapper {
   bool worth_using(const WheelTravel& travel) const;
 
   // One used frame; `travel` of the wheels since the last used one.
-  void update(const WheelTravel& travel, const Features& features, const FeatureExtractor& view);
+  // Corrects the features for the tilt learned so far.
+  void update(const WheelTravel& travel, Features& features, const FeatureExtractor& view);
 
   const Particles& particles() const { return particles_; }
   const PoseEstimate& pose() const { return pose_; }
@@ -50,6 +52,7 @@ class Mapper {
   std::span<const Candidate> candidates() const { return candidates_[0].span(); }
   double travelled_m() const { return travelled_m_; }
   double effective_sample_size() const { return effective_; }
+  const TiltEstimator& tilt() const { return tilt_; }
   bool loop_closing() const { return loop_closing_; }
   const MapperCounters& counters() const { return counters_; }
   Eigen::Vector2d lever_m() const { return {robot_.mount.x_m, robot_.mount.y_m}; }
@@ -62,6 +65,8 @@ class Mapper {
   bool try_loop(const Features& features, const Eigen::Matrix3d& prior,
                 const PoseCorrection& recent);
   void follow_old_map();
+  void learn_tilt(const Features& features);
+  void move_by_tilt(const Eigen::Vector2d& step);
   void weigh_and_move(const Features& features);
   void update_landmarks(const Features& features);
   void note_observation(const Candidate& c, const Feature& f);
@@ -84,6 +89,8 @@ class Mapper {
   Associator associator_;
   MotionIncrement motion_;
   ProposalRows proposal_;
+  TiltEstimator tilt_;
+  PoseSensitivity pose_by_tilt_ = PoseSensitivity::Zero();
   PredictionRows prediction_;
   std::span<Candidates> candidates_;
   std::span<std::uint16_t> parents_;

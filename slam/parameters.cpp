@@ -40,6 +40,9 @@ constexpr auto kTable = std::to_array<ParameterInfo>({
     {"min_travel_m", "m", 0, 1, "frames nearer than this to the last used one are not used",
      &P::min_travel_m},
     {"min_turn_deg", "deg", 0, 45, "nor those turned by less than this", &P::min_turn_deg},
+    {"tilt_sigma_deg", "deg", 0, 5,
+     "how wrong the calibrated tilt of the camera may be; it is estimated while driving; 0: never",
+     &P::tilt_sigma_deg},
 
     {"ncc_match", "", -1, 1, "least similarity of a corner and its landmark", &P::ncc_match},
     {"ncc_match_settled", "", -1, 1,

@@ -87,7 +87,7 @@ const StepOutput& Slam::step(const StepInput& input) {
   if (!s.has_used) s.used = now.total;
   const WheelTravel travel = {now.total.left_m - s.used.left_m, now.total.right_m - s.used.right_m};
 
-  const Features& features = s.extractor.extract(input.frame);
+  Features& features = s.extractor.extract(input.frame);
   out.stamp = input.stamp;
   out.corners = static_cast<int>(features.size());
   if (s.mapper.worth_using(travel)) {

@@ -30,6 +30,8 @@ void Map::layout(Arena& arena, int particles) {
   anchor_users_ = arena.take<std::int32_t>(kAnchors);
   free_anchors_ = arena.take<std::int32_t>(kAnchors);
   pool_ = arena.take<Appearance>(kAppearancePool);
+  tilts_ = arena.take<LandmarkTilt>(kLandmarks);
+  anchor_tilts_ = arena.take<AnchorTilt>(kAnchors);
 }
 
 void Map::reset() {
@@ -63,6 +65,7 @@ int Map::create(int anchor) {
   l.anchor = anchor;
   ++anchor_users_[static_cast<std::size_t>(anchor)];
   rows_.set_generation(slot, ancestry_.generation());
+  tilts_[static_cast<std::size_t>(slot)] = {LandmarkSensitivity::Zero(), tilt_};
   return slot;
 }
 
@@ -83,7 +86,7 @@ void Map::remove(int slot) {
   release_if_unused(anchor);
 }
 
-int Map::create_anchor(const CameraRows& camera) {
+int Map::create_anchor(const CameraRows& camera, const PoseSensitivity& by_tilt) {
   if (anchors_used_ == kMaxAnchors) return -1;
   const int anchor = free_anchors_[static_cast<std::size_t>(kMaxAnchors - 1 - anchors_used_)];
   ++anchors_used_;
@@ -92,6 +95,7 @@ int Map::create_anchor(const CameraRows& camera) {
   std::copy_n(camera.cos, particles_, anchor_rows_.row(anchor, 2));
   std::copy_n(camera.sin, particles_, anchor_rows_.row(anchor, 3));
   anchor_rows_.set_generation(anchor, ancestry_.generation());
+  anchor_tilts_[static_cast<std::size_t>(anchor)] = {by_tilt, tilt_};
   return anchor;
 }
 
@@ -118,7 +122,36 @@ LandmarkRows Map::rows(int slot) {
   const int anchor = info(slot).anchor;
   rows_.bring(slot, ancestry_);
   anchor_rows_.bring(anchor, ancestry_);
+  follow_tilt(slot, anchor);
   return landmark_rows(rows_, slot, anchor_rows_, anchor);
+}
+
+void Map::follow_tilt(int slot, int anchor) {
+  LandmarkTilt& l = tilts_[static_cast<std::size_t>(slot)];
+  const Eigen::Vector3f move = (l.B * (tilt_ - l.tau)).cast<float>();
+  l.tau = tilt_;
+  for (int r = 0; r < 3; ++r) {
+    if (move[r] == 0.0F) continue;
+    float* row = rows_.row(slot, r);
+    for (int i = 0; i < particles_; ++i) row[i] += move[r];
+  }
+  AnchorTilt& a = anchor_tilts_[static_cast<std::size_t>(anchor)];
+  const Eigen::Vector3f shift = (a.A * (tilt_ - a.tau)).cast<float>();
+  a.tau = tilt_;
+  if (shift.isZero(0.0F)) return;
+  float* x = anchor_rows_.row(anchor, 0);
+  float* y = anchor_rows_.row(anchor, 1);
+  float* c = anchor_rows_.row(anchor, 2);
+  float* s = anchor_rows_.row(anchor, 3);
+  const float dc = std::cos(shift[2]);
+  const float ds = std::sin(shift[2]);
+  for (int i = 0; i < particles_; ++i) {
+    x[i] += shift[0];
+    y[i] += shift[1];
+    const float ci = c[i];
+    c[i] = ci * dc - s[i] * ds;
+    s[i] = s[i] * dc + ci * ds;
+  }
 }
 
 void Map::refresh_place(int slot, const double* weight, double camera_z_m) {

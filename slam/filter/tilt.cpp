@@ -1,0 +1,93 @@
+#include "slam/filter/tilt.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+
+#include "slam/geometry.h"
+
+namespace zenith {
+namespace {
+
+// A corner's error lasts for many frames, so a frame tells less than its residuals say.
+constexpr double kFrameWeight = 0.2;
+// Of the information, forgotten with each frame: a mount that settles is followed in minutes.
+constexpr double kForget = 2e-4;
+
+Eigen::Vector2d perpendicular(const Eigen::Vector2d& v) { return {-v.y(), v.x()}; }
+
+}  // namespace
+
+Eigen::Vector2d tilt_shift(const Eigen::Vector2d& z, const Eigen::Vector2d& tau) {
+  return tau + z * z.dot(tau);
+}
+
+ObservationModel linearise(const LandmarkRows& l, const CameraRows& camera, int i,
+                           const Eigen::Vector2d& lever_m, double noise) {
+  const Eigen::Matrix2d R_t =
+      (Eigen::Matrix2d() << camera.cos[i], -camera.sin[i], camera.sin[i], camera.cos[i]).finished();
+  const Eigen::Matrix2d R_a = (Eigen::Matrix2d() << l.anchor_cos[i], -l.anchor_sin[i],
+                               l.anchor_sin[i], l.anchor_cos[i])
+                                  .finished();
+  const Eigen::Matrix2d R = R_t.transpose() * R_a;
+  const Eigen::Vector2d between(l.anchor_x[i] - camera.x[i], l.anchor_y[i] - camera.y[i]);
+  const Eigen::Vector2d b = R_t.transpose() * between;
+  const double rho = l.rho[i];
+  const Eigen::Vector2d from_anchor(l.ax[i], l.ay[i]);
+  const Eigen::Vector2d m = R * from_anchor + rho * b;
+  ObservationModel out;
+  out.by_landmark << R, b;
+  out.by_pose << -rho * R_t.transpose(), -perpendicular(m + rho * lever_m);
+  out.by_anchor << rho * R_t.transpose(), perpendicular(R * (from_anchor + rho * lever_m));
+  Eigen::Matrix3d P;
+  P << l.pxx[i], l.pxy[i], l.pxr[i], l.pxy[i], l.pyy[i], l.pyr[i], l.pxr[i], l.pyr[i], l.prr[i];
+  const Eigen::Matrix<double, 3, 2> PHt = P * out.by_landmark.transpose();
+  const Eigen::Matrix2d S = out.by_landmark * PHt + noise * Eigen::Matrix2d::Identity();
+  out.gain = PHt * S.inverse();
+  return out;
+}
+
+Eigen::Matrix2d residual_sensitivity(const ObservationModel& model, const Eigen::Vector2d& z,
+                                     const LandmarkSensitivity& B, const PoseSensitivity& A_pose,
+                                     const PoseSensitivity& A_anchor) {
+  return -(Eigen::Matrix2d::Identity() + z * z.transpose()) - model.by_landmark * B -
+         model.by_pose * A_pose - model.by_anchor * A_anchor;
+}
+
+void TiltEstimator::reset(double sigma_rad) {
+  enabled_ = sigma_rad > 0.0;
+  tau_.setZero();
+  information_ = Eigen::Matrix2d::Identity() / (enabled_ ? sigma_rad * sigma_rad : 1.0);
+}
+
+void TiltEstimator::begin_frame(const Eigen::Matrix3d& motion_information) {
+  tt_.setZero();
+  tx_.setZero();
+  xx_ = motion_information;
+  t_.setZero();
+  x_.setZero();
+}
+
+void TiltEstimator::add(const Eigen::Vector2d& residual, const Eigen::Matrix<double, 2, 3>& G,
+                        const Eigen::Matrix2d& D, const Eigen::Matrix2d& weight) {
+  tt_ += D.transpose() * weight * D;
+  tx_ += D.transpose() * weight * G;
+  xx_ += G.transpose() * weight * G;
+  t_ += D.transpose() * weight * residual;
+  x_ += G.transpose() * weight * residual;
+}
+
+PoseSensitivity TiltEstimator::pose_gain() const { return xx_.llt().solve(tx_.transpose()); }
+
+Eigen::Vector2d TiltEstimator::end_frame() {
+  const Eigen::LLT<Eigen::Matrix3d> llt(xx_);
+  const Eigen::Matrix2d told = tt_ - tx_ * llt.solve(tx_.transpose());
+  const Eigen::Vector2d right = t_ - tx_ * llt.solve(x_);
+  information_ = (1.0 - kForget) * information_ + kFrameWeight * told;
+  const Eigen::Vector2d step = information_.ldlt().solve(kFrameWeight * right);
+  tau_ += step;
+  return step;
+}
+
+Eigen::Matrix2d TiltEstimator::covariance() const { return information_.inverse(); }
+
+}  // namespace zenith
