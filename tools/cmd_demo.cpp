@@ -9,7 +9,6 @@
 #include "tools/progress.h"
 #include "tools/replay.h"
 #include "tools/report/figures_text.h"
-#include "tools/runner/simulated_source.h"
 #include "tools/simulate.h"
 
 namespace zenith::tools {
@@ -67,6 +66,7 @@ void print_result(const std::filesystem::path& out, const TeamFigures& figures) 
 }
 
 int run_demo(const DemoCommand& command) {
+  if (const Status known = check_worlds({command.world}); !known) return fail(known.error());
   auto output = AtomicFolder::create(command.out, true, "summary.json");
   if (!output.ok()) return fail(output.error());
   const auto result = simulate_and_map(command, output->path());

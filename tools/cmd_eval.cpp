@@ -3,16 +3,18 @@
 #include <unistd.h>
 
 #include <cstdio>
-#include <fstream>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "tools/atomic_output.h"
 #include "tools/commands.h"
 #include "tools/evaluation.h"
 #include "tools/overrides.h"
 #include "tools/progress.h"
+#include "tools/replay_judgement.h"
 #include "tools/report/figures_text.h"
+#include "tools/simulate.h"
 
 namespace zenith::tools {
 namespace {
@@ -44,6 +46,7 @@ struct EvalOptions {
   std::vector<std::string> assignments;
   std::string json_path;
   std::string replay_output;
+  bool alone = false;
 };
 
 void print_run(const EvaluationRun& run) {
@@ -84,19 +87,40 @@ Status write_json(const std::string& path, const std::vector<EvaluationRun>& run
     one["seed"] = run.seed;
     json.push_back(std::move(one));
   }
-  std::ofstream file(path);
-  file << json.dump(2) << '\n';
-  file.close();
-  if (!file) return Error{path + ": cannot be written"};
-  return {};
+  return write_file(path, json.dump(2) + "\n");
+}
+
+EvaluationRun judge_replay(const EvalOptions& options) {
+  EvaluationRun run;
+  run.world = options.replay_output;
+  auto figures =
+      judge_output(options.replay_output, {options.subjects.begin(), options.subjects.end()});
+  if (figures.ok()) {
+    run.figures = std::move(*figures);
+  } else {
+    run.failure = figures.error().message;
+  }
+  return run;
+}
+
+int run_replay_judgement(const EvalOptions& options) {
+  const EvaluationRun run = judge_replay(options);
+  if (!run.failure.empty()) return fail({run.failure});
+  std::printf("%s\n%s", options.replay_output.c_str(), figures_text(run.figures).c_str());
+  if (options.json_path.empty()) return 0;
+  const Status written = write_json(options.json_path, {run});
+  return written ? 0 : fail(written.error());
 }
 
 int run_eval(EvalOptions& options) {
+  if (!options.replay_output.empty()) return run_replay_judgement(options);
   const auto parameters = apply_overrides({}, options.assignments);
   if (!parameters.ok()) return fail(parameters.error());
   EvaluationPlan& plan = options.plan;
   plan.parameters = *parameters;
   plan.worlds = options.subjects;
+  plan.share_maps = !options.alone;
+  if (const Status known = check_worlds(plan.worlds); !known) return fail(known.error());
   std::vector<EvaluationRun> runs;
   {
     Progress progress("evaluating");
@@ -120,7 +144,7 @@ void add_eval_command(CLI::App& app, int& exit_code) {
   const auto options = std::make_shared<EvalOptions>();
   CLI::App* eval = app.add_subcommand("eval", "Simulate, map and judge over many seeds");
   eval->footer(kHelp);
-  eval->add_option("WORLD", options->subjects, "worlds by name or file (see `zenith sim --list`)")
+  eval->add_option("WORLD", options->subjects, "worlds by name or file (`zenith sim --list`)")
       ->required();
   eval->add_option("--seeds", options->plan.seeds, "how many seeds")
       ->check(CLI::Range(1, 100000))
@@ -132,8 +156,10 @@ void add_eval_command(CLI::App& app, int& exit_code) {
   eval->add_option("--jobs", options->plan.jobs, "runs side by side")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
-  eval->add_flag("!--alone", options->plan.share_maps, "robots do not tell each other anything");
+  eval->add_flag("--alone", options->alone, "robots do not tell each other anything");
   add_set_option(*eval, options->assignments);
+  eval->add_option("--replay", options->replay_output,
+                   "judge this output of `zenith replay`; WORLD are then its recordings");
   eval->add_option("--json", options->json_path, "write all figures to this file");
   eval->callback([options, &exit_code] { exit_code = run_eval(*options); });
 }

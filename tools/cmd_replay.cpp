@@ -39,6 +39,10 @@ int run_replay(ReplayCommand& command) {
   const auto parameters = apply_overrides({}, command.assignments);
   if (!parameters.ok()) return fail(parameters.error());
   command.plan.parameters = *parameters;
+  // `rec/*` of a simulation's output holds its description too.
+  std::erase_if(command.plan.recordings,
+                [](const auto& path) { return path.filename() == "simulation.json"; });
+  if (command.plan.recordings.empty()) return fail({"replay needs recordings"}) + 1;
   auto output = AtomicFolder::create(command.out, command.force, "summary.json");
   if (!output.ok()) return fail(output.error());
   const auto result = [&] {

@@ -7,7 +7,6 @@
 #include "sim/simulation.h"
 #include "tools/atomic_output.h"
 #include "tools/commands.h"
-#include "tools/overrides.h"
 #include "tools/progress.h"
 #include "tools/simulate.h"
 
@@ -43,6 +42,7 @@ int run_sim(const SimCommand& command) {
     return fail({"sim needs a WORLD: one of `zenith sim --list`, or a file"}) + 1;
   }
   if (command.out.empty()) return fail({"sim needs a folder to write to: --out DIR"}) + 1;
+  if (const Status known = check_worlds({command.plan.world}); !known) return fail(known.error());
   auto output = AtomicFolder::create(command.out, command.force, "simulation.json");
   if (!output.ok()) return fail(output.error());
   const auto names = [&] {

@@ -9,6 +9,7 @@
 
 #include "sim/simulation.h"
 #include "tools/atomic_output.h"
+#include "tools/overrides.h"
 #include "tools/recording/writer.h"
 
 namespace zenith::tools {
@@ -50,6 +51,20 @@ std::string provenance(const sim::Simulation& simulation, const SimulatePlan& pl
 }
 
 }  // namespace
+
+Status check_worlds(const std::vector<std::string>& worlds) {
+  const std::vector<std::string> known = sim::list_worlds();
+  std::string problems;
+  for (const std::string& world : worlds) {
+    std::error_code code;
+    if (fs::is_regular_file(sim::find_world(world), code)) continue;
+    problems += (problems.empty() ? "" : "\n") + ("no world '" + world + "'");
+    for (const std::string& near : nearest_words(world, known)) problems += ", near: " + near;
+    problems += "; `zenith sim --list` tells them, a file's path works too";
+  }
+  if (!problems.empty()) return Error{problems};
+  return {};
+}
 
 Result<std::vector<std::string>> write_simulation(const SimulatePlan& plan, const fs::path& folder,
                                                   const std::function<void(double)>& progress) {

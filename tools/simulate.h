@@ -11,6 +11,9 @@
 
 namespace zenith::tools {
 
+// Whether each is one of the known worlds or an existing file; the error names near ones.
+Status check_worlds(const std::vector<std::string>& worlds);
+
 struct SimulatePlan {
   std::string world;
   std::uint64_t seed = 1;

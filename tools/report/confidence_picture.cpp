@@ -79,7 +79,9 @@ void draw_axes(Canvas& canvas, double last_frame) {
   canvas.vertical_text({46.0, 0.5 * (kTop_px + kBottom_px) + 50.0}, "confidence", 14.0, kInk);
 }
 
-void draw_events(Canvas& canvas, const Curve& curve, double last_frame, double& label_y) {
+// First all lines, then all labels: no line crosses a label.
+void draw_events(Canvas& canvas, const Curve& curve, double last_frame, bool labels,
+                 double& label_y) {
   const auto mark = [&](std::size_t frame, const std::string& what) {
     if (label_y < kTop_px - 120.0) return;  // no room is left
     const double x = at(static_cast<double>(frame), last_frame, 0.0).x();
@@ -87,9 +89,12 @@ void draw_events(Canvas& canvas, const Curve& curve, double last_frame, double& 
     const bool beyond = x + 10.0 + canvas.text_width(text, 13.0) > kRight_px;
     const Anchor anchor = beyond ? Anchor::kRight : Anchor::kLeft;
     const Eigen::Vector2d place(x + (beyond ? -8.0 : 8.0), label_y);
-    canvas.dashed({x, label_y - 14.0}, {x, kBottom_px}, curve.colour, 1.4);
-    canvas.halo(place, text, 13.0, anchor);
-    canvas.text(place, text, 13.0, curve.colour, anchor);
+    if (labels) {
+      canvas.halo(place, text, 13.0, anchor);
+      canvas.text(place, text, 13.0, curve.colour, anchor);
+    } else {
+      canvas.dashed({x, label_y - 14.0}, {x, kBottom_px}, curve.colour, 1.4);
+    }
     label_y -= 20.0;
   };
   constexpr std::size_t kShown = 2;  // more would hide the curve
@@ -152,9 +157,11 @@ Status draw_confidence(const std::filesystem::path& path, const TeamLog& log, do
   draw_legend(canvas, curves);
   draw_axes(canvas, last_frame);
   // Events stand in rows above the curves, from the lowest row upwards.
-  double label_y = kTop_px - 10.0;
   for (const Curve& curve : curves) draw_curve(canvas, curve, last_frame);
-  for (const Curve& curve : curves) draw_events(canvas, curve, last_frame, label_y);
+  for (const bool labels : {false, true}) {
+    double label_y = kTop_px - 10.0;
+    for (const Curve& curve : curves) draw_events(canvas, curve, last_frame, labels, label_y);
+  }
   draw_threshold(canvas, threshold);
   return canvas.save(path);
 }

@@ -121,16 +121,37 @@ PairFigures judge_pair(const TeamLog& log, int own_index, int peer_index) {
   return figures;
 }
 
+// The last transform, when the peer is merged at the end.
+std::optional<Pose2> last_transform(const TeamLog& log, int own, int peer) {
+  const RobotLog& robot = log.robots[static_cast<std::size_t>(own)];
+  if (own == peer || robot.frames.empty()) return std::nullopt;
+  if (!merged_with(robot.frames.back(), peer)) return std::nullopt;
+  return find_peer(robot.frames.back(), peer)->T_own_peer;
+}
+
+void judge_chains(const TeamLog& log, PairFigures& figures) {
+  const auto there = last_transform(log, figures.own, figures.peer);
+  const auto back = last_transform(log, figures.peer, figures.own);
+  if (there && back) figures.round_trip = transform_error(*there * *back, {});
+  const auto truth = true_transform(log.robots[static_cast<std::size_t>(figures.own)],
+                                    log.robots[static_cast<std::size_t>(figures.peer)]);
+  for (int via = 0; via < static_cast<int>(log.robots.size()) && !figures.through_others; ++via) {
+    const auto first = last_transform(log, figures.own, via);
+    const auto second = last_transform(log, via, figures.peer);
+    if (!truth || !first || !second) continue;
+    figures.through_others = transform_error(*first * *second, *truth);
+  }
+}
+
 // Empty unless every robot of the circle holds its successor merged at the end.
 std::optional<TransformError> judge_circle(const TeamLog& log) {
   const int size = static_cast<int>(log.robots.size());
   if (size < 3) return std::nullopt;
   Pose2 around;
   for (int own = 0; own < size; ++own) {
-    const RobotLog& robot = log.robots[static_cast<std::size_t>(own)];
-    const int peer = (own + 1) % size;
-    if (robot.frames.empty() || !merged_with(robot.frames.back(), peer)) return std::nullopt;
-    around = around * find_peer(robot.frames.back(), peer)->T_own_peer;
+    const auto T = last_transform(log, own, (own + 1) % size);
+    if (!T) return std::nullopt;
+    around = around * *T;
   }
   return transform_error(around, {});
 }
@@ -156,7 +177,9 @@ TeamFigures judge(const TeamLog& log) {
   for (const RobotLog& robot : log.robots) figures.robots.push_back(judge_robot(robot));
   for (int own = 0; own < size; ++own) {
     for (int peer = 0; peer < size; ++peer) {
-      if (own != peer) figures.pairs.push_back(judge_pair(log, own, peer));
+      if (own == peer) continue;
+      figures.pairs.push_back(judge_pair(log, own, peer));
+      judge_chains(log, figures.pairs.back());
     }
   }
   figures.circle = judge_circle(log);

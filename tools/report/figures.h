@@ -65,14 +65,16 @@ struct PairFigures {
   std::optional<TransformError> at_merge;
   std::optional<TransformError> later;  // 20 s after the first merge
   std::optional<TransformError> at_end;
-  int fused = 0;       // landmarks that both hold, as one
-  int duplicates = 0;  // pairs that lie within 5 cm and are not one
+  std::optional<TransformError> through_others;  // at the end, composed from others' merges
+  std::optional<TransformError> round_trip;      // T_own_peer T_peer_own against the identity
+  int fused = 0;                                 // landmarks that both hold, as one
+  int duplicates = 0;                            // pairs that lie within 5 cm and are not one
 };
 
 struct TeamFigures {
   std::vector<RobotFigures> robots;
   std::vector<PairFigures> pairs;        // every ordered pair
-  std::optional<TransformError> circle;  // three robots: a -> b -> c -> a against the identity
+  std::optional<TransformError> circle;  // three robots: a < b < c < a against the identity
 };
 
 TeamFigures judge(const TeamLog& log);

@@ -43,14 +43,16 @@ std::string robots_text(const TeamFigures& figures) {
   return table.text(2);
 }
 
+std::string pair_name(const TeamFigures& figures, const PairFigures& pair) {
+  return figures.robots[static_cast<std::size_t>(pair.own)].name + " < " +
+         figures.robots[static_cast<std::size_t>(pair.peer)].name;
+}
+
 std::string pairs_text(const TeamFigures& figures) {
   Table table({"pair", "overlap s", "merge s", "driven m", "at merge", "20 s later", "at the end",
                "common", "double", "withdrawn", "false"});
   for (const PairFigures& pair : figures.pairs) {
-    const auto own = static_cast<std::size_t>(pair.own);
-    const auto peer = static_cast<std::size_t>(pair.peer);
-    table.add({figures.robots[own].name + " < " + figures.robots[peer].name,
-               fixed(pair.overlap_time_s, 1), fixed(pair.merge_time_s, 1),
+    table.add({pair_name(figures, pair), fixed(pair.overlap_time_s, 1), fixed(pair.merge_time_s, 1),
                fixed(pair.driven_till_merge_m, 1), error_text(pair.at_merge),
                error_text(pair.later), error_text(pair.at_end), std::to_string(pair.fused),
                std::to_string(pair.duplicates), std::to_string(pair.withdrawn),
@@ -64,6 +66,7 @@ struct Collected {
   std::vector<double> ate, odometry, ratio, return_percent, return_after, step_median, step_p95,
       step_max;
   std::vector<double> driven, merge_m, merge_deg, later_m, later_deg, end_m, end_deg, circle_m;
+  std::vector<double> through_m, through_deg, trip_m, trip_deg;
   int robots = 0, pairs = 0, merged = 0, wrong = 0, false_merges = 0, withdrawn = 0, doubles = 0;
 };
 
@@ -99,9 +102,12 @@ void collect_pair(const PairFigures& pair, Collected& all) {
   collect_error(pair.at_merge, all.merge_m, all.merge_deg);
   collect_error(pair.later, all.later_m, all.later_deg);
   collect_error(pair.at_end, all.end_m, all.end_deg);
+  collect_error(pair.through_others, all.through_m, all.through_deg);
+  collect_error(pair.round_trip, all.trip_m, all.trip_deg);
 }
 
 std::string error_summary(const std::vector<double>& metres, const std::vector<double>& degrees) {
+  if (metres.empty()) return "-";
   return median_and_worst(metres, 3) + " m, " + median_and_worst(degrees, 2) + "°";
 }
 
@@ -151,6 +157,8 @@ nlohmann::json pair_json(const TeamFigures& figures, const PairFigures& pair) {
           {"error_at_merge", error_json(pair.at_merge)},
           {"error_20_s_later", error_json(pair.later)},
           {"error_at_end", error_json(pair.at_end)},
+          {"error_through_others", error_json(pair.through_others)},
+          {"round_trip", error_json(pair.round_trip)},
           {"fused_landmarks", pair.fused},
           {"duplicates", pair.duplicates}};
 }
@@ -159,6 +167,11 @@ nlohmann::json pair_json(const TeamFigures& figures, const PairFigures& pair) {
 
 std::string figures_text(const TeamFigures& figures) {
   std::string text = robots_text(figures) + pairs_text(figures);
+  for (const PairFigures& pair : figures.pairs) {
+    if (!pair.through_others) continue;
+    text += "  " + pair_name(figures, pair) +
+            " through others: " + error_text(pair.through_others) + "\n";
+  }
   if (figures.circle) text += "  circle of transforms: " + error_text(figures.circle) + "\n";
   return text;
 }
@@ -188,6 +201,10 @@ std::string summary_text(std::span<const TeamFigures> runs) {
     table.add({"transform error at merge", error_summary(all.merge_m, all.merge_deg)});
     table.add({"transform error 20 s later", error_summary(all.later_m, all.later_deg)});
     table.add({"transform error at the end", error_summary(all.end_m, all.end_deg)});
+    if (!all.through_m.empty()) {
+      table.add({"transform error through others", error_summary(all.through_m, all.through_deg)});
+    }
+    table.add({"there and back again", error_summary(all.trip_m, all.trip_deg)});
     table.add({"landmarks left double", std::to_string(all.doubles)});
   }
   if (!all.circle_m.empty()) table.add({"circle closure m", median_and_worst(all.circle_m, 3)});
