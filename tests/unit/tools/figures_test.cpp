@@ -63,7 +63,7 @@ TEST(Figures, OfAWrongMergeThatIsWithdrawn) {
   wrong.theta_rad += 0.2;
   add_alignment(team.robots[1], 0, AlignmentState::kMerged, wrong, 100, 150);
   add_alignment(team.robots[1], 0, AlignmentState::kWithdrawn, wrong, 150, 180);
-  add_alignment(team.robots[1], 0, AlignmentState::kMerged, synthetic_transform(1), 300, 600);
+  add_alignment(team.robots[1], 0, AlignmentState::kMerged, synthetic_transform(1), 350, 600);
   const PairFigures pair = judge(team).pairs[1];
   EXPECT_EQ(pair.own, 1);
   EXPECT_EQ(pair.merges, 2);

@@ -1,0 +1,158 @@
+// From the simulator through files and SLAM to the outputs, with few seconds of driving.
+
+#include "tools/replay.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/unit/tools/temporary_folder.h"
+#include "tools/atomic_output.h"
+#include "tools/recording/layout.h"
+#include "tools/replay_judgement.h"
+#include "tools/runner/simulated_source.h"
+#include "tools/runner/team_run.h"
+#include "tools/simulate.h"
+
+namespace zenith::tools {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+class ReplayTest : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = new TemporaryFolder;
+    const auto names = write_simulation({"corridor-rooms", 5, 3.0}, folder_->path() / "rec", {});
+    ASSERT_TRUE(names.ok()) << names.error().message;
+    names_ = new std::vector<std::string>(*names);
+  }
+  static void TearDownTestSuite() {
+    delete names_;
+    delete folder_;
+  }
+
+  static ReplayPlan plan() {
+    ReplayPlan plan;
+    plan.seed = 5;
+    for (const std::string& name : *names_) {
+      plan.recordings.push_back(folder_->path() / "rec" / name);
+    }
+    return plan;
+  }
+  static fs::path make(const char* name) {
+    const fs::path path = folder_->path() / name;
+    fs::create_directory(path);
+    return path;
+  }
+
+  static TemporaryFolder* folder_;
+  static std::vector<std::string>* names_;
+};
+
+TemporaryFolder* ReplayTest::folder_ = nullptr;
+std::vector<std::string>* ReplayTest::names_ = nullptr;
+
+TEST_F(ReplayTest, TwiceTheSameBitForBit) {
+  const fs::path one = make("one");
+  const fs::path two = make("two");
+  const auto first = replay(plan(), one, {});
+  ASSERT_TRUE(first.ok()) << first.error().message;
+  EXPECT_THAT(first->warnings, testing::IsEmpty());
+  ASSERT_TRUE(replay(plan(), two, {}).ok());
+  for (const std::string& name : *names_) {
+    for (const char* file :
+         {"trajectory.tum", "landmarks.csv", "alignments.csv", "confidence.csv"}) {
+      EXPECT_EQ(read_text(one / name / file), read_text(two / name / file)) << name << file;
+    }
+  }
+  EXPECT_EQ(read_text(one / "map.png"), read_text(two / "map.png"));
+}
+
+TEST_F(ReplayTest, FilesLoseNothingThatMatters) {
+  // In memory, with the very same seed: only the CAN stamps' nanoseconds are lost in the files.
+  Parameters parameters;
+  auto team = simulate_team("corridor-rooms", 5, 3.0, parameters);
+  ASSERT_TRUE(team.ok()) << team.error().message;
+  const auto log = run_team(team->sources, {parameters, 5}, {});
+  ASSERT_TRUE(log.ok());
+  const auto result = replay(plan(), make("files"), {});
+  ASSERT_TRUE(result.ok());
+  const TeamFigures memory = judge(*log);
+  ASSERT_EQ(memory.robots.size(), result->figures.robots.size());
+  for (std::size_t i = 0; i < memory.robots.size(); ++i) {
+    EXPECT_EQ(memory.robots[i].name, result->figures.robots[i].name);
+    EXPECT_EQ(memory.robots[i].frames, result->figures.robots[i].frames);
+    EXPECT_NEAR(memory.robots[i].path_m, result->figures.robots[i].path_m, 0.02);
+    EXPECT_NEAR(*memory.robots[i].odometry_ate_m, *result->figures.robots[i].odometry_ate_m, 1e-4);
+  }
+}
+
+TEST_F(ReplayTest, IsJudgedFromItsFilesAlike) {
+  const fs::path out = make("judged");
+  const auto result = replay(plan(), out, {});
+  ASSERT_TRUE(result.ok());
+  const auto judged = judge_output(out, plan().recordings);
+  ASSERT_TRUE(judged.ok()) << judged.error().message;
+  for (std::size_t i = 0; i < judged->robots.size(); ++i) {
+    EXPECT_EQ(judged->robots[i].name, result->figures.robots[i].name);
+    EXPECT_NEAR(*judged->robots[i].ate_m, *result->figures.robots[i].ate_m, 1e-5);
+    EXPECT_EQ(judged->robots[i].landmarks, result->figures.robots[i].landmarks);
+  }
+  fs::remove(out / "summary.json");
+  EXPECT_THAT(judge_output(out, plan().recordings).error().message, HasSubstr("summary.json"));
+  fs::remove(out / (*names_)[0] / "alignments.csv");
+  EXPECT_THAT(judge_output(out, plan().recordings).error().message, HasSubstr("alignments.csv"));
+}
+
+TEST_F(ReplayTest, ADamagedRecordingLeavesNoOutput) {
+  const fs::path copy = folder_->path() / "copy";
+  fs::copy(plan().recordings[0], copy, fs::copy_options::recursive);
+  for (const auto& frame : fs::directory_iterator(layout::frames(copy))) {
+    fs::resize_file(frame.path(), 100);
+  }
+  ReplayPlan damaged = plan();
+  damaged.recordings = {copy};
+  const fs::path target = folder_->path() / "never";
+  {
+    auto output = AtomicFolder::create(target, false, "summary.json");
+    ASSERT_TRUE(output.ok());
+    const auto result = replay(damaged, output->path(), {});
+    ASSERT_FALSE(result.ok());
+    EXPECT_THAT(result.error().message, HasSubstr("truncated PNG"));
+  }
+  EXPECT_FALSE(fs::exists(target));
+  damaged.reading.skip_damaged = true;
+  EXPECT_THAT(replay(damaged, make("scrap"), {}).error().message, HasSubstr("no frame is left"));
+}
+
+TEST_F(ReplayTest, TellsAllRecordingsThatAreBad) {
+  ReplayPlan bad = plan();
+  bad.recordings = {folder_->path() / "x", folder_->path() / "y", plan().recordings[0],
+                    plan().recordings[0]};
+  const std::string message = replay(bad, make("bad"), {}).error().message;
+  EXPECT_THAT(message, HasSubstr("/x: no such folder"));
+  EXPECT_THAT(message, HasSubstr("/y: no such folder"));
+  EXPECT_THAT(message, HasSubstr("two recordings are named"));
+}
+
+TEST(Simulate, UnknownWorldsAreToldWithNearOnes) {
+  EXPECT_TRUE(check_worlds({"corridor-rooms"}).ok());
+  const Status checked = check_worlds({"corridor-room", "nowhere-at-all"});
+  ASSERT_FALSE(checked.ok());
+  EXPECT_THAT(checked.error().message, HasSubstr("near: corridor-rooms"));
+  EXPECT_THAT(checked.error().message, HasSubstr("no world 'nowhere-at-all'"));
+}
+
+TEST(ViewAngle, CoversTheCornerOfTheRectifiedImage) {
+  Parameters parameters;
+  parameters.rectified_fov_deg = 90.0;
+  RobotConfig robot;
+  // The corner of a 90 degree image: atan(sqrt 2) = 54.74 degrees; four more as a margin.
+  EXPECT_NEAR(max_view_angle_deg(parameters, robot), 58.7356, 1e-3);
+  robot.mount.pitch_rad = 0.1;
+  EXPECT_NEAR(max_view_angle_deg(parameters, robot), 58.7356 + 5.7296, 1e-3);
+}
+
+}  // namespace
+}  // namespace zenith::tools
