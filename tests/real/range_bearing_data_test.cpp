@@ -132,6 +132,7 @@ TEST(RigidFit, FindsTheMotionThatMadeThePoints) {
   const Pose2 T = {1.5, -2.0, 2.5};
   const std::vector<Eigen::Vector2d> a = {{0.0, 0.0}, {3.0, 1.0}, {-1.0, 4.0}};
   std::vector<Eigen::Vector2d> b;
+  b.reserve(a.size());
   for (const auto& p : a) b.push_back(T * p);
   const RigidFit fit = fit_points(a, b);
   EXPECT_NEAR(fit.T_b_a.x_m, T.x_m, 1e-12);

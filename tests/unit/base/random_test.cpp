@@ -79,7 +79,7 @@ TEST(Random, UniformIsUniform) {
   }
   EXPECT_NEAR(sum / kDraws, 0.5, 5.0 * std::sqrt(1.0 / 12.0 / kDraws));
   EXPECT_NEAR(sum2 / kDraws, 1.0 / 12.0, 5.0 * std::sqrt(1.0 / 180.0 / kDraws));
-  for (const int bin : bins) EXPECT_NEAR(bin, kDraws / 10, 5.0 * std::sqrt(0.09 * kDraws));
+  for (const int bin : bins) EXPECT_NEAR(bin, kDraws / 10.0, 5.0 * std::sqrt(0.09 * kDraws));
 }
 
 // n normals: the mean has deviation 1/sqrt(n), the second moment sqrt(2/n), the third sqrt(15/n),
