@@ -23,9 +23,6 @@ class FeatureExtractor {
   // Features of a frame, strongest first; valid until the next call.
   Features& extract(const ImageView& frame);
 
-  // The last frame's.
-  const Features& features() const { return features_[0]; }
-
   const Pinhole& pinhole() const { return pinhole_; }
   // The rectified image of the last frame.
   ImageView rectified() const {

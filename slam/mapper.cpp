@@ -18,6 +18,9 @@ constexpr double kSettledRadius_px = 2.5;
 constexpr double kNewLandmarkDistance_px = 5.0;
 constexpr int kEstablishedObservations = 10;
 constexpr int kEnoughToSteer = 15;
+// A wheel that slips between two frames: forward, left, turn.
+const Eigen::Vector3d kSlip(0.02, 0.01, 2.0 * kDegree);
+constexpr double kSlipDistance2 = 20.0;  // chi squared, 3 degrees of freedom: 1 in 6000
 constexpr double kTentativeWay_m = 1.0;  // a tentative landmark unseen for this long is forgotten
 
 }  // namespace
@@ -63,8 +66,8 @@ bool Mapper::worth_using(const WheelTravel& travel) const {
 
 void Mapper::update(const WheelTravel& travel, Features& features,
                     const FeatureExtractor& view) {
-  const MotionNoise noise = {p_.wheel_noise_per_sqrt_m, p_.wheel_noise_floor_m,
-                             p_.lateral_noise_per_sqrt_m};
+  const MotionNoise noise = {p_.distance_noise_per_sqrt_m, p_.turn_noise_per_sqrt_m,
+                             p_.lateral_noise_per_sqrt_m, p_.odometry_floor_m};
   motion_ = motion_increment(robot_.wheels, travel, noise);
   travelled_m_ += std::hypot(motion_.mean.x_m, motion_.mean.y_m);
   if (p_.optimal_proposal != 0) {
@@ -177,8 +180,10 @@ void Mapper::associate(const Features& features) {
   corner_used_.fill(false);
   loop_closing_ = false;
   correction_ = PoseCorrection{};
-  // Larger than the model says: matches decide, the prior only keeps directions that no match fixes.
-  const Eigen::Matrix3d prior = 4.0 * motion_.covariance;
+  // Much larger than the model says: the matches decide, also when a wheel slips; the prior only
+  // keeps directions that no match fixes.
+  Eigen::Matrix3d prior = 4.0 * motion_.covariance;
+  prior.diagonal() += kSlip.cwiseAbs2();
   using enum CandidateKind;
   associator_.match(candidates, kPromotedRecent, correction_, 4.0, feats, map_, heading,
                     association_, corner_used_);
@@ -194,6 +199,7 @@ void Mapper::associate(const Features& features) {
     correction_ = agree_on_pose(candidates, kPromotedRecent, feats, prior, correction_.xi,
                                 p_.gate_sigma);
   }
+  if (correction_.inliers >= 8) believe_slip();
   // Corners whose match disagrees are free for others.
   for (const Candidate& c : candidates) {
     if (c.corner >= 0 && !c.inlier) corner_used_[static_cast<std::size_t>(c.corner)] = false;
@@ -208,6 +214,15 @@ void Mapper::associate(const Features& features) {
     const Eigen::Matrix2d S = c.own + c.G * correction_.covariance * c.G.transpose();
     c.inlier = d.dot(S.inverse() * d) < p_.gate_sigma * p_.gate_sigma;
   }
+}
+
+// What the landmarks say of the motion, against what the wheels say: beyond doubt the wheels slipped.
+void Mapper::believe_slip() {
+  const Eigen::Matrix3d S = motion_.covariance + correction_.covariance;
+  const Eigen::Vector3d& xi = correction_.xi;
+  if (xi.dot(S.ldlt().solve(xi)) < kSlipDistance2) return;
+  motion_.covariance.diagonal() += xi.cwiseAbs2();
+  ++counters_.slips;
 }
 
 // Old landmarks that agree among themselves on another pose than the recent ones: the drift since

@@ -28,6 +28,7 @@ struct MapperCounters {
   std::uint64_t appearances_rejected_full = 0;
   std::uint64_t candidates_rejected_full = 0;
   std::uint64_t loops_closed = 0;
+  std::uint64_t slips = 0;
 };
 
 using Candidates = FixedVector<Candidate, kMaxCandidates>;
@@ -65,6 +66,7 @@ class Mapper {
   bool try_loop(const Features& features, const Eigen::Matrix3d& prior,
                 const PoseCorrection& recent);
   void follow_old_map();
+  void believe_slip();
   void learn_tilt(const Features& features);
   void move_by_tilt(const Eigen::Vector2d& step);
   void weigh_and_move(const Features& features);

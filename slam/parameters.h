@@ -11,19 +11,20 @@ namespace zenith {
 struct Parameters {
   // image
   double rectified_fov_deg = 120.0;
-  double corner_min_eigenvalue = 2.0;
+  double corner_min_eigenvalue = 5.0;
   double corner_min_distance_px = 6.0;
   int corners_max = 128;
 
   // odometry
-  double wheel_noise_per_sqrt_m = 0.006;
-  double wheel_noise_floor_m = 0.0005;
+  double distance_noise_per_sqrt_m = 0.002;
+  double turn_noise_per_sqrt_m = 0.02;
   double lateral_noise_per_sqrt_m = 0.002;
+  double odometry_floor_m = 0.0003;
 
   // filter
   int particles = 200;
   int optimal_proposal = 1;
-  double pixel_sigma_px = 0.7;
+  double pixel_sigma_px = 1.0;
   double gate_sigma = 3.5;
   double likelihood_cap = 9.0;
   double resample_below = 0.5;

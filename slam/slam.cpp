@@ -1,13 +1,13 @@
 #include "slam/slam.h"
 
 #include <cassert>
-#include <cmath>
 #include <new>
 
 #include "slam/fleet/fleet.h"
 #include "slam/fleet/fusion.h"
 #include "slam/fleet/publish.h"
 #include "slam/mapper.h"
+#include "slam/observed.h"
 
 namespace zenith {
 
@@ -26,31 +26,6 @@ struct Slam::State {
     extractor.layout(arena);
     mapper.layout(arena, parameters);
     fleet.layout(arena);
-  }
-
-  // This frame's own landmarks, as the fleet wants them: promoted, seen now, heights known.
-  void observe() {
-    observed.clear();
-    const Eigen::Vector2d lever = mapper.lever_m();
-    const double camera_z = mapper.robot().mount.z_m;
-    for (const Candidate& c : mapper.candidates()) {
-      if (!c.inlier) continue;
-      const LandmarkInfo& l = mapper.map().info(c.slot);
-      if (l.state != LandmarkState::kPromoted) continue;
-      const Feature& f = extractor.features()[static_cast<std::size_t>(c.corner)];
-      Observed o;
-      o.slot = c.slot;
-      o.id = l.id;
-      const double height = static_cast<double>(l.z_m) - camera_z;
-      o.from_robot_m = lever + height * Eigen::Vector2d(f.zx, f.zy);
-      o.place_m = l.position_m().head<2>();
-      o.covariance_m2 = l.covariance().topLeftCorner<2, 2>();
-      o.z_m = static_cast<double>(l.z_m);
-      o.z_sigma_m = std::sqrt(static_cast<double>(l.covariance_m2[5]));
-      o.orientation_rad = f.orientation_rad;
-      o.compact = f.compact;
-      observed.push_back(o);
-    }
   }
 };
 
@@ -92,7 +67,7 @@ const StepOutput& Slam::step(const StepInput& input) {
   out.corners = static_cast<int>(features.size());
   if (s.mapper.worth_using(travel)) {
     s.mapper.update(travel, features, s.extractor);
-    s.observe();
+    observe(s.mapper, features, s.observed);
     s.fleet.update(s.observed, s.mapper.map(), s.mapper.pose().mean, s.mapper.travelled_m());
     s.used = now.total;
     s.has_used = true;

@@ -29,19 +29,13 @@ MotionIncrement motion_increment(const Wheels& wheels, const WheelTravel& travel
                                  const MotionNoise& noise) {
   MotionIncrement out;
   out.mean = wheel_motion(wheels, travel);
-  const auto variance = [&noise](double metres) {
-    if (metres == 0.0) return 0.0;
-    return noise.wheel_per_sqrt_m * noise.wheel_per_sqrt_m * std::abs(metres) +
-           noise.wheel_floor_m * noise.wheel_floor_m;
-  };
-  const double left = variance(travel.left_m);
-  const double right = variance(travel.right_m);
+  const double way = 0.5 * (std::abs(travel.left_m) + std::abs(travel.right_m));
+  if (way == 0.0) return out;
+  const auto square = [](double x) { return x * x; };
   const double b = wheels.track_width_m;
-  out.covariance(0, 0) = 0.25 * (left + right);
-  out.covariance(0, 2) = out.covariance(2, 0) = 0.5 * (right - left) / b;
-  out.covariance(2, 2) = (left + right) / (b * b);
-  out.covariance(1, 1) = noise.lateral_per_sqrt_m * noise.lateral_per_sqrt_m * 0.5 *
-                         (std::abs(travel.left_m) + std::abs(travel.right_m));
+  out.covariance(0, 0) = square(noise.distance_per_sqrt_m) * way + 0.5 * square(noise.floor_m);
+  out.covariance(1, 1) = square(noise.lateral_per_sqrt_m) * way;
+  out.covariance(2, 2) = square(noise.turn_per_sqrt_m) * way + 2.0 * square(noise.floor_m / b);
   return out;
 }
 

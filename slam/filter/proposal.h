@@ -26,10 +26,13 @@ struct MotionIncrement {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
 };
 
+// Standard deviations of odometry. Distance and turn are apart: unequal wheels and slip spoil the
+// turn long before the distance (Borenstein, Feng, "UMBmark", 1995).
 struct MotionNoise {
-  double wheel_per_sqrt_m = 0.006;   // standard deviation of a wheel's travel after one metre
-  double wheel_floor_m = 0.0005;     // of one increment: quantisation, backlash
-  double lateral_per_sqrt_m = 0.002; // sideways slip
+  double distance_per_sqrt_m = 0.002;  // m, after one metre
+  double turn_per_sqrt_m = 0.02;       // rad, after one metre
+  double lateral_per_sqrt_m = 0.002;   // m, sideways slip after one metre
+  double floor_m = 0.0003;             // of one wheel's increment: quantisation, backlash
 };
 
 // No travel, no noise: a standing robot stays.
