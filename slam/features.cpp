@@ -1,9 +1,18 @@
 #include "slam/features.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
 namespace zenith {
+namespace {
+
+constexpr double kWeakestThreshold = 0.15;  // below, everything is noise
+constexpr double kFewCorners = 0.55;        // of corners_max
+constexpr double kEnoughCorners = 0.75;
+constexpr double kThresholdStep = 0.8;
+
+}  // namespace
 
 void FeatureExtractor::layout(Arena& arena) {
   rectifier_.layout(arena);
@@ -18,7 +27,18 @@ void FeatureExtractor::build(const RobotConfig& robot, const Parameters& paramet
   settings_.min_eigenvalue = parameters.corner_min_eigenvalue;
   settings_.min_distance_px = parameters.corner_min_distance_px;
   settings_.max_corners = parameters.corners_max;
+  strongest_threshold_ = settings_.min_eigenvalue;
   rectifier_.build(robot.lens, robot.mount, pinhole_);
+}
+
+void FeatureExtractor::adapt_threshold(std::size_t corners) {
+  const auto count = static_cast<double>(corners);
+  double& threshold = settings_.min_eigenvalue;
+  if (count < kFewCorners * settings_.max_corners) {
+    threshold = std::max(threshold * kThresholdStep, std::min(kWeakestThreshold, strongest_threshold_));
+  } else if (count > kEnoughCorners * settings_.max_corners) {
+    threshold = std::min(threshold / kThresholdStep, strongest_threshold_);
+  }
 }
 
 bool FeatureExtractor::sees(const Eigen::Vector2d& m, int margin_px) const {
@@ -36,6 +56,7 @@ Features& FeatureExtractor::extract(const ImageView& frame) {
                                   kRectifiedSize};
   rectifier_.apply(frame, image);
   detector_.detect(image, settings_, corners);
+  adapt_threshold(corners.size());
   for (const Corner& corner : corners) {
     const int u = static_cast<int>(std::lround(corner.u_px));
     const int v = static_cast<int>(std::lround(corner.v_px));

@@ -1,5 +1,9 @@
 #pragma once
 // From a fisheye frame to described corners: the image stage of the step.
+//
+// The corners' threshold follows the light: with too few corners it sinks from frame to frame, with
+// enough it returns to the configured value. In dim light contrast falls with the exposure, and
+// eigenvalues with its square.
 
 #include <array>
 
@@ -32,7 +36,10 @@ class FeatureExtractor {
 
  private:
   Pinhole pinhole_;
+  void adapt_threshold(std::size_t corners);
+
   CornerSettings settings_;
+  double strongest_threshold_ = 0.0;  // as configured
   Rectifier rectifier_;
   CornerDetector detector_;
   std::span<std::uint8_t> rectified_;

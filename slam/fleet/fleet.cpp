@@ -12,6 +12,15 @@ namespace {
 constexpr int kSweepPerFrame = 48;
 constexpr float kDuplicateNcc = 0.6F;
 
+// Which hypothesis to give up when there is no room: first those that no longer say anything about
+// what is in view, then the least likely.
+double worth(const Hypothesis& h) {
+  constexpr int kFewExpected = 25;
+  constexpr double kNothing = -1e6;
+  const bool tells = h.expected() >= kFewExpected || h.searches < Hypothesis::kWindow;
+  return tells ? h.score() : kNothing + h.score();
+}
+
 }  // namespace
 
 void Peer::layout(Arena& arena) {
@@ -75,10 +84,9 @@ void Fleet::propose(Peer& peer, const ObservedFrame& frame, const Pose2& T_own_r
     for (Hypothesis& h : peer.hypotheses) {
       const bool held = &h - peer.hypotheses.data() == peer.leader;
       if (held) continue;
-      if (place == nullptr || !h.used || (place->used && h.hits() < place->hits())) place = &h;
+      if (place == nullptr || !h.used || (place->used && worth(h) < worth(*place))) place = &h;
       if (!place->used) break;
     }
-    if (place->used && place->hits() > 2 * fix.inliers) continue;
     *place = Hypothesis{};
     place->used = true;
     place->T_own_peer = T_own_peer;
@@ -116,31 +124,30 @@ void Fleet::decide(Peer& peer, const Pose2& T_own_robot) {
   for (int i = 0; i < kMaxHypotheses; ++i) {
     const Hypothesis& h = peer.hypotheses[static_cast<std::size_t>(i)];
     if (!h.used) continue;
-    if (best < 0 || h.hits() > peer.hypotheses[static_cast<std::size_t>(best)].hits()) best = i;
+    if (best < 0 || h.score() > peer.hypotheses[static_cast<std::size_t>(best)].score()) best = i;
   }
   if (!peer.merged) peer.leader = best;
   if (peer.leader < 0) return;
   const Hypothesis& leader = peer.hypotheses[static_cast<std::size_t>(peer.leader)];
-  int rival = 0;
+  const Hypothesis* rival = nullptr;
   for (int i = 0; i < kMaxHypotheses; ++i) {
     const Hypothesis& h = peer.hypotheses[static_cast<std::size_t>(i)];
     if (i == peer.leader || !h.used) continue;
     if (same_alignment(h.T_own_peer, leader.T_own_peer, T_own_robot.position())) continue;
-    rival = std::max(rival, h.hits());
+    if (rival == nullptr || h.score() > rival->score()) rival = &h;
   }
+  const double rival_score = rival == nullptr ? 0.0 : std::max(rival->score(), 0.0);
   const DecisionSettings& d = decision_;
   if (!peer.merged) {
-    peer.merged = leader.confidence.value() > d.confidence &&
-                  leader.successes(d.min_hits) >= d.min_successes &&
+    peer.merged = leader.confidence.value() > d.confidence && leader.score() > d.score &&
+                  leader.searches >= d.min_searches &&
                   static_cast<int>(leader.pairs.size()) >= d.min_pairs &&
-                  leader.hits() >= d.min_hit_share * leader.expected() &&
-                  rival < d.rival_share * leader.hits();
-    if (peer.merged) peer.alignment.state = AlignmentState::kMerged;
+                  rival_score < d.rival_share * leader.score();
     return;
   }
   const bool refuted = leader.expected() >= d.withdraw_expected &&
                        leader.hits() < d.withdraw_share * leader.expected();
-  const bool beaten = rival > 2 * leader.hits() + d.min_pairs;
+  const bool beaten = rival_score > d.score && rival_score > leader.score() + d.score;
   if (refuted || beaten) {
     peer.hypotheses[static_cast<std::size_t>(peer.leader)].used = false;
     peer.merged = false;

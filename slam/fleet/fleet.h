@@ -20,13 +20,12 @@ namespace zenith {
 // What an alignment must show before it is acted upon, and when it has failed.
 struct DecisionSettings {
   double confidence = 0.5;       // Eq. 4
-  int min_hits = 6;              // of a search that counts as a success
-  int min_successes = 6;         // of the last Hypothesis::kWindow searches
+  double score = 45.0;           // log odds, see Hypothesis::score()
+  double rival_share = 0.5;      // a rival with this share of the leader's score: ambiguous
+  int min_searches = 4;
   int min_pairs = 15;
-  double min_hit_share = 0.35;   // of the landmarks that could be found
-  double rival_share = 0.6;      // a rival with this share of the leader's hits: ambiguous
-  double withdraw_share = 0.08;
-  int withdraw_expected = 60;    // landmarks that could have been found, before it is judged
+  double withdraw_share = 0.3;   // of the expected landmarks found: no better than a wrong one
+  int withdraw_expected = 120;   // landmarks that could have been found, before it is judged
 };
 
 class Peer {

@@ -40,9 +40,10 @@ int Hypothesis::expected() const {
   return sum;
 }
 
-int Hypothesis::successes(int min_hits) const {
-  return static_cast<int>(std::count_if(window.begin(), window.end(),
-                                        [=](const Support& s) { return s.hits >= min_hits; }));
+double Hypothesis::score() const {
+  const double hit = std::log(kHitWhenRight / kHitWhenWrong);
+  const double miss = std::log((1.0 - kHitWhenRight) / (1.0 - kHitWhenWrong));
+  return hit * hits() + miss * (expected() - hits());
 }
 
 bool same_alignment(const Pose2& a, const Pose2& b, const Eigen::Vector2d& at) {
