@@ -15,8 +15,8 @@ namespace zenith::tools {
 namespace {
 
 constexpr const char* kHelp =
-    R"(Simulates the robots of a world, records what they see, maps the recordings together and draws
-the merged map. Nothing else is needed: no robot, no camera, no data.
+    R"(Simulates the robots of a world, records what they see, maps the recordings together and
+draws the merged map. Nothing else is needed: no robot, no camera, no data.
 
 Examples:
   zenith demo

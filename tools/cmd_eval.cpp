@@ -20,8 +20,8 @@ namespace zenith::tools {
 namespace {
 
 constexpr const char* kHelp =
-    R"(Simulates, maps and judges, all in memory, once for every seed; prints the figures of each run
-and a table of median / worst for each world. With --replay it judges the output of
+    R"(Simulates, maps and judges, all in memory, once for every seed; prints the figures of each
+run and a table of median / worst for each world. With --replay it judges the output of
 `zenith replay` against the ground truth of the recordings instead.
 
 Examples:

@@ -16,8 +16,8 @@ namespace zenith::tools {
 namespace {
 
 constexpr const char* kHelp =
-    R"(Runs the recordings through SLAM, in the order of their stamps, each as one robot named after its
-folder; the robots tell each other their landmarks at once. The same recordings, seed and
+    R"(Runs the recordings through SLAM, in the order of their stamps, each as one robot named after
+its folder; the robots tell each other their landmarks at once. The same recordings, seed and
 parameters give the same output, bit for bit, but for times of computation.
 
 OUT holds summary.json, map.png, confidence.png and for each robot trajectory.tum, landmarks.csv,

@@ -14,9 +14,9 @@ namespace zenith::tools {
 namespace {
 
 constexpr const char* kHelp =
-    R"(Drives the robots of a world through it and records what their cameras and wheels deliver, with
-the ground truth: one folder for each robot, as `zenith replay` reads them. The folder appears when
-everything is written; an existing one is replaced only with --force.
+    R"(Drives the robots of a world through it and records what their cameras and wheels
+deliver, with the ground truth: one folder for each robot, as `zenith replay` reads them. The
+folder appears when everything is written; an existing one is replaced only with --force.
 
 Examples:
   zenith sim --list

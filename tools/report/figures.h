@@ -30,6 +30,7 @@ struct ReturnFigures {
   double driven_m = 0.0;
   double before_m = 0.0;
   double after_m = 0.0;
+  double percent() const { return 100.0 * before_m / driven_m; }  // of the way
 };
 
 struct StepTimes {

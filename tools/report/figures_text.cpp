@@ -20,13 +20,9 @@ std::optional<double> ratio(const std::optional<double>& a, const std::optional<
   return *a / *b;
 }
 
-double return_percent(const ReturnFigures& loop) {
-  return 100.0 * loop.before_m / loop.driven_m;
-}
-
 std::string return_text(const std::optional<ReturnFigures>& loop) {
   if (!loop) return "-";
-  return fixed(loop->before_m, 3) + " m (" + fixed(return_percent(*loop), 2) + " %) > " +
+  return fixed(loop->before_m, 3) + " m (" + fixed(loop->percent(), 2) + " %) > " +
          fixed(loop->after_m, 3) + " m";
 }
 
@@ -67,7 +63,8 @@ struct Collected {
       step_max;
   std::vector<double> driven, merge_m, merge_deg, later_m, later_deg, end_m, end_deg, circle_m;
   std::vector<double> through_m, through_deg, trip_m, trip_deg;
-  int robots = 0, pairs = 0, merged = 0, wrong = 0, false_merges = 0, withdrawn = 0, doubles = 0;
+  int robots = 0, pairs = 0, overlapping = 0, merged = 0, wrong = 0, false_merges = 0,
+      withdrawn = 0, doubles = 0;
 };
 
 void collect_robot(const RobotFigures& robot, Collected& all) {
@@ -76,7 +73,7 @@ void collect_robot(const RobotFigures& robot, Collected& all) {
   if (robot.odometry_ate_m) all.odometry.push_back(*robot.odometry_ate_m);
   if (const auto r = ratio(robot.ate_m, robot.odometry_ate_m)) all.ratio.push_back(*r);
   if (robot.loop) {
-    all.return_percent.push_back(return_percent(*robot.loop));
+    all.return_percent.push_back(robot.loop->percent());
     all.return_after.push_back(robot.loop->after_m);
   }
   all.step_median.push_back(robot.step.median_ms);
@@ -93,6 +90,7 @@ void collect_error(const std::optional<TransformError>& error, std::vector<doubl
 
 void collect_pair(const PairFigures& pair, Collected& all) {
   ++all.pairs;
+  all.overlapping += pair.overlap_time_s ? 1 : 0;
   all.merged += pair.merged_at_end ? 1 : 0;
   all.wrong += pair.at_end && pair.at_end->wrong() ? 1 : 0;
   all.false_merges += pair.false_merges;
@@ -109,58 +107,6 @@ void collect_pair(const PairFigures& pair, Collected& all) {
 std::string error_summary(const std::vector<double>& metres, const std::vector<double>& degrees) {
   if (metres.empty()) return "-";
   return median_and_worst(metres, 3) + " m, " + median_and_worst(degrees, 2) + "°";
-}
-
-nlohmann::json optional_json(const std::optional<double>& value) {
-  return value ? nlohmann::json(*value) : nlohmann::json();
-}
-
-nlohmann::json error_json(const std::optional<TransformError>& error) {
-  if (!error) return {};
-  return {{"position_m", error->position_m},
-          {"angle_deg", error->angle_rad * kDegrees},
-          {"wrong", error->wrong()}};
-}
-
-nlohmann::json robot_json(const RobotFigures& robot) {
-  nlohmann::json json = {
-      {"name", robot.name},
-      {"frames", robot.frames},
-      {"duration_s", robot.duration_s},
-      {"path_m", robot.path_m},
-      {"true_path_m", optional_json(robot.true_path_m)},
-      {"ate_m", optional_json(robot.ate_m)},
-      {"odometry_ate_m", optional_json(robot.odometry_ate_m)},
-      {"landmarks", robot.landmarks},
-      {"step_ms",
-       {{"median", robot.step.median_ms}, {"p95", robot.step.p95_ms}, {"max", robot.step.max_ms}}}};
-  if (robot.loop) {
-    json["return"] = {{"time_s", robot.loop->time_s},
-                      {"driven_m", robot.loop->driven_m},
-                      {"before_m", robot.loop->before_m},
-                      {"before_percent", return_percent(*robot.loop)},
-                      {"after_m", robot.loop->after_m}};
-  }
-  return json;
-}
-
-nlohmann::json pair_json(const TeamFigures& figures, const PairFigures& pair) {
-  return {{"robot", figures.robots[static_cast<std::size_t>(pair.own)].name},
-          {"peer", figures.robots[static_cast<std::size_t>(pair.peer)].name},
-          {"merges", pair.merges},
-          {"merged_at_end", pair.merged_at_end},
-          {"withdrawn", pair.withdrawn},
-          {"false_merges", pair.false_merges},
-          {"merge_time_s", optional_json(pair.merge_time_s)},
-          {"overlap_time_s", optional_json(pair.overlap_time_s)},
-          {"driven_till_merge_m", optional_json(pair.driven_till_merge_m)},
-          {"error_at_merge", error_json(pair.at_merge)},
-          {"error_20_s_later", error_json(pair.later)},
-          {"error_at_end", error_json(pair.at_end)},
-          {"error_through_others", error_json(pair.through_others)},
-          {"round_trip", error_json(pair.round_trip)},
-          {"fused_landmarks", pair.fused},
-          {"duplicates", pair.duplicates}};
 }
 
 }  // namespace
@@ -192,8 +138,9 @@ std::string summary_text(std::span<const TeamFigures> runs) {
     table.add({"error after the return m", median_and_worst(all.return_after, 3)});
   }
   if (all.pairs > 0) {
-    const auto of_pairs = " of " + std::to_string(all.pairs);
-    table.add({"merged at the end", std::to_string(all.merged) + of_pairs});
+    table.add({"pairs, each way (a robot comes where the other was)",
+               std::to_string(all.pairs) + " (" + std::to_string(all.overlapping) + ")"});
+    table.add({"merged at the end", std::to_string(all.merged)});
     table.add({"of these wrong", std::to_string(all.wrong)});
     table.add({"merges wrong at their moment", std::to_string(all.false_merges)});
     table.add({"merges withdrawn", std::to_string(all.withdrawn)});
@@ -212,14 +159,6 @@ std::string summary_text(std::span<const TeamFigures> runs) {
   table.add({"step 95 % ms", median_and_worst(all.step_p95, 2)});
   table.add({"step longest ms", median_and_worst(all.step_max, 2)});
   return table.text(2);
-}
-
-nlohmann::json figures_json(const TeamFigures& figures) {
-  nlohmann::json json = {{"robots", nlohmann::json::array()}, {"pairs", nlohmann::json::array()}};
-  for (const RobotFigures& robot : figures.robots) json["robots"].push_back(robot_json(robot));
-  for (const PairFigures& pair : figures.pairs) json["pairs"].push_back(pair_json(figures, pair));
-  json["circle_closure"] = error_json(figures.circle);
-  return json;
 }
 
 }  // namespace zenith::tools

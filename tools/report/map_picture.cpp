@@ -2,116 +2,21 @@
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <numbers>
-#include <utility>
 #include <vector>
 
 #include "tools/report/canvas.h"
 #include "tools/report/map_layout.h"
+#include "tools/report/map_view.h"
 #include "tools/report/table.h"
 
 namespace zenith::tools {
 namespace {
 
-constexpr int kWidth_px = 1600;
-constexpr int kMargin_px = 60;
-constexpr int kHeader_px = 120;
 constexpr double kSigmas = 2.0;
 constexpr Colour kTruth{120, 126, 132};
 
-using Points = std::vector<Eigen::Vector2d>;
-
-// What the picture must show.
-Points points_of(const MapLayout& layout) {
-  Points points;
-  for (const PlacedRobot& robot : layout.robots) {
-    points.insert(points.end(), robot.path.begin(), robot.path.end());
-  }
-  for (const MapLandmark& mark : layout.landmarks) {
-    if (layout.holds(mark.position_m)) points.push_back(mark.position_m);
-  }
-  return points;
-}
-
-// Middle and size of the turned points' box.
-std::pair<Eigen::Vector2d, Eigen::Vector2d> extent_of(const Points& points,
-                                                      const Eigen::Matrix2d& R) {
-  if (points.empty()) return {Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};
-  Eigen::Vector2d min = R * points.front();
-  Eigen::Vector2d max = min;
-  for (const Eigen::Vector2d& point : points) {
-    const Eigen::Vector2d turned = R * point;
-    min = min.cwiseMin(turned);
-    max = max.cwiseMax(turned);
-  }
-  return {0.5 * (min + max), max - min};
-}
-
-// Turns the map so that robots drive along the page or across it, as they do along walls, and that
-// its longer side lies flat. Segments of the paths vote for their direction modulo a right angle.
-double flat_angle(const MapLayout& layout, const Points& points) {
-  std::complex<double> votes = 0.0;
-  for (const PlacedRobot& robot : layout.robots) {
-    for (std::size_t i = 1; i < robot.path.size(); ++i) {
-      const Eigen::Vector2d step = robot.path[i] - robot.path[i - 1];
-      votes += std::polar(step.norm(), 4.0 * std::atan2(step.y(), step.x()));
-    }
-  }
-  const double angle = -0.25 * std::arg(votes);
-  const Eigen::Vector2d extent = extent_of(points, rotation(angle)).second;
-  return extent.x() < extent.y() ? angle + 0.5 * std::numbers::pi : angle;
-}
-
-// From metres to pixels.
-class View {
- public:
-  View(const MapLayout& layout, int legend_px) {
-    const Points points = points_of(layout);
-    turn_ = rotation(flat_angle(layout, points));
-    constexpr double kFree_m = 0.7;
-    constexpr int kMin_px = 420;
-    constexpr int kMax_px = 1200;
-    const auto [middle, extent] = extent_of(points, turn_);
-    const Eigen::Vector2d seen = extent + Eigen::Vector2d::Constant(2.0 * kFree_m);
-    const double inner = kWidth_px - 2.0 * kMargin_px;
-    scale_ = std::min(inner / seen.x(), kMax_px / seen.y());
-    map_px_ = std::max(kMin_px, static_cast<int>(std::ceil(scale_ * seen.y())));
-    height_px_ = kHeader_px + map_px_ + legend_px;
-    middle_m_ = turn_.transpose() * middle;
-    middle_px_ = {0.5 * kWidth_px, kHeader_px + 0.5 * map_px_};
-  }
-
-  Eigen::Vector2d operator()(const Eigen::Vector2d& p) const {
-    return middle_px_ + linear() * (p - middle_m_);
-  }
-  Eigen::Matrix2d covariance(const Eigen::Matrix2d& P) const {
-    return linear() * P * linear().transpose();
-  }
-  std::vector<Eigen::Vector2d> operator()(const std::vector<Eigen::Vector2d>& points) const {
-    std::vector<Eigen::Vector2d> mapped;
-    for (const Eigen::Vector2d& point : points) mapped.push_back((*this)(point));
-    return mapped;
-  }
-  double scale() const { return scale_; }
-  int height_px() const { return height_px_; }
-  double map_end_px() const { return kHeader_px + map_px_; }
-
- private:
-  // y points up on the page.
-  Eigen::Matrix2d linear() const {
-    return scale_ * Eigen::Vector2d(1.0, -1.0).asDiagonal() * turn_;
-  }
-
-  Eigen::Matrix2d turn_;
-  double scale_ = 1.0;
-  int map_px_ = 0;
-  int height_px_ = 0;
-  Eigen::Vector2d middle_m_;
-  Eigen::Vector2d middle_px_;
-};
-
-void draw_landmarks(Canvas& canvas, const View& view, const MapLayout& layout) {
+void draw_landmarks(Canvas& canvas, const MapView& view, const MapLayout& layout) {
   // Common ones last, so that they stay visible.
   for (const bool common : {false, true}) {
     for (const MapLandmark& mark : layout.landmarks) {
@@ -124,7 +29,7 @@ void draw_landmarks(Canvas& canvas, const View& view, const MapLayout& layout) {
   }
 }
 
-void draw_robots(Canvas& canvas, const View& view, const MapLayout& layout) {
+void draw_robots(Canvas& canvas, const MapView& view, const MapLayout& layout) {
   for (std::size_t i = 0; i < layout.robots.size(); ++i) {
     const PlacedRobot& robot = layout.robots[i];
     const Colour colour = robot_colour(i);
@@ -137,13 +42,13 @@ void draw_robots(Canvas& canvas, const View& view, const MapLayout& layout) {
   }
 }
 
-void draw_names(Canvas& canvas, const View& view, const MapLayout& layout) {
+void draw_names(Canvas& canvas, const MapView& view, const MapLayout& layout) {
   for (std::size_t i = 0; i < layout.robots.size(); ++i) {
     const PlacedRobot& robot = layout.robots[i];
     if (robot.path.empty()) continue;
     const Eigen::Vector2d at = view(robot.path.front()) + Eigen::Vector2d(12.0, -10.0);
     const double width = canvas.text_width(robot.name, 13.0, true);
-    const Eigen::Vector2d left(std::min(at.x(), kWidth_px - width - 8.0), at.y());
+    const Eigen::Vector2d left(std::min(at.x(), kMapWidth_px - width - 8.0), at.y());
     canvas.halo(left, robot.name, 13.0, Anchor::kLeft, true);
     canvas.text(left, robot.name, 13.0, robot_colour(i), Anchor::kLeft, true);
   }
@@ -177,7 +82,7 @@ std::string merge_line(const TeamFigures& figures) {
   return text;
 }
 
-void draw_scale(Canvas& canvas, const View& view, double y) {
+void draw_scale(Canvas& canvas, const MapView& view, double y) {
   const double wanted = 220.0 / view.scale();
   double length = std::pow(10.0, std::floor(std::log10(wanted)));
   for (const double factor : {5.0, 2.0}) {
@@ -186,7 +91,7 @@ void draw_scale(Canvas& canvas, const View& view, double y) {
       break;
     }
   }
-  const Eigen::Vector2d right(kWidth_px - kMargin_px, y);
+  const Eigen::Vector2d right(kMapWidth_px - kMapMargin_px, y);
   const Eigen::Vector2d left = right - Eigen::Vector2d(length * view.scale(), 0.0);
   canvas.line(left, right, kInk, 2.0);
   for (const Eigen::Vector2d& end : {left, right}) {
@@ -204,16 +109,16 @@ std::string robot_line(const RobotFigures& robot) {
          fixed(100.0 * *robot.odometry_ate_m, 1) + " cm)";
 }
 
-void draw_legend(Canvas& canvas, const View& view, const MapLayout& layout,
+void draw_legend(Canvas& canvas, const MapView& view, const MapLayout& layout,
                  const TeamFigures& figures) {
   double y = view.map_end_px() + 34.0;
   for (std::size_t i = 0; i < figures.robots.size(); ++i, y += 28.0) {
-    canvas.line({kMargin_px, y - 5.0}, {kMargin_px + 44.0, y - 5.0}, robot_colour(i), 3.0);
-    canvas.ring({kMargin_px, y - 5.0}, 5.0, robot_colour(i), 2.0);
-    canvas.disc({kMargin_px + 44.0, y - 5.0}, 5.0, robot_colour(i));
-    canvas.text({kMargin_px + 62.0, y}, robot_line(figures.robots[i]), 13.0, kInk);
+    canvas.line({kMapMargin_px, y - 5.0}, {kMapMargin_px + 44.0, y - 5.0}, robot_colour(i), 3.0);
+    canvas.ring({kMapMargin_px, y - 5.0}, 5.0, robot_colour(i), 2.0);
+    canvas.disc({kMapMargin_px + 44.0, y - 5.0}, 5.0, robot_colour(i));
+    canvas.text({kMapMargin_px + 62.0, y}, robot_line(figures.robots[i]), 13.0, kInk);
   }
-  double x = kMargin_px;
+  double x = kMapMargin_px;
   const auto entry = [&](const std::string& text) {
     canvas.text({x + 56.0, y}, text, 13.0, kInk);
     x += 56.0 + canvas.text_width(text, 13.0) + 40.0;
@@ -240,10 +145,10 @@ void draw_legend(Canvas& canvas, const View& view, const MapLayout& layout,
 Status draw_map(const std::filesystem::path& path, const TeamLog& log, const TeamFigures& figures) {
   const MapLayout layout = lay_out_map(log);
   const int legend_px = 34 + 28 * static_cast<int>(log.robots.size()) + 40;
-  const View view(layout, legend_px);
-  Canvas canvas(kWidth_px, view.height_px());
-  canvas.text({kMargin_px, 58.0}, title(layout), 24.0, kInk, Anchor::kLeft, true);
-  canvas.text({kMargin_px, 92.0}, merge_line(figures), 13.0, kGrey);
+  const MapView view(layout, legend_px);
+  Canvas canvas(kMapWidth_px, view.height_px());
+  canvas.text({kMapMargin_px, 58.0}, title(layout), 24.0, kInk, Anchor::kLeft, true);
+  canvas.text({kMapMargin_px, 92.0}, merge_line(figures), 13.0, kGrey);
   draw_landmarks(canvas, view, layout);
   draw_robots(canvas, view, layout);
   draw_names(canvas, view, layout);

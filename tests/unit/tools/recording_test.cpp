@@ -192,7 +192,7 @@ TEST_F(RecordingTest, CountsOddLinesOfTheLog) {
                   HasSubstr("1 odometry frames that are too short")));
 }
 
-TEST_F(RecordingTest, RefusesALogWithoutOdometry) {
+TEST_F(RecordingTest, RefusesALogThatHoldsNoTravel) {
   write_text(layout::can_log(folder_, "can0"), "(1.0) can0 123#00\nnonsense\n");
   EXPECT_THAT(read_all(), AllOf(HasSubstr("holds no odometry"), HasSubstr("can0.log:2: malformed"),
                                 HasSubstr("123 (1)")));

@@ -1,0 +1,72 @@
+#include <numbers>
+
+#include "tools/report/figures_text.h"
+
+namespace zenith::tools {
+namespace {
+
+constexpr double kDegrees = 180.0 / std::numbers::pi;
+
+nlohmann::json optional_json(const std::optional<double>& value) {
+  return value ? nlohmann::json(*value) : nlohmann::json();
+}
+
+nlohmann::json error_json(const std::optional<TransformError>& error) {
+  if (!error) return {};
+  return {{"position_m", error->position_m},
+          {"angle_deg", error->angle_rad * kDegrees},
+          {"wrong", error->wrong()}};
+}
+
+nlohmann::json robot_json(const RobotFigures& robot) {
+  nlohmann::json json = {
+      {"name", robot.name},
+      {"frames", robot.frames},
+      {"duration_s", robot.duration_s},
+      {"path_m", robot.path_m},
+      {"true_path_m", optional_json(robot.true_path_m)},
+      {"ate_m", optional_json(robot.ate_m)},
+      {"odometry_ate_m", optional_json(robot.odometry_ate_m)},
+      {"landmarks", robot.landmarks},
+      {"step_ms",
+       {{"median", robot.step.median_ms}, {"p95", robot.step.p95_ms}, {"max", robot.step.max_ms}}}};
+  if (robot.loop) {
+    json["return"] = {{"time_s", robot.loop->time_s},
+                      {"driven_m", robot.loop->driven_m},
+                      {"before_m", robot.loop->before_m},
+                      {"before_percent", robot.loop->percent()},
+                      {"after_m", robot.loop->after_m}};
+  }
+  return json;
+}
+
+nlohmann::json pair_json(const TeamFigures& figures, const PairFigures& pair) {
+  return {{"robot", figures.robots[static_cast<std::size_t>(pair.own)].name},
+          {"peer", figures.robots[static_cast<std::size_t>(pair.peer)].name},
+          {"merges", pair.merges},
+          {"merged_at_end", pair.merged_at_end},
+          {"withdrawn", pair.withdrawn},
+          {"false_merges", pair.false_merges},
+          {"merge_time_s", optional_json(pair.merge_time_s)},
+          {"overlap_time_s", optional_json(pair.overlap_time_s)},
+          {"driven_till_merge_m", optional_json(pair.driven_till_merge_m)},
+          {"error_at_merge", error_json(pair.at_merge)},
+          {"error_20_s_later", error_json(pair.later)},
+          {"error_at_end", error_json(pair.at_end)},
+          {"error_through_others", error_json(pair.through_others)},
+          {"round_trip", error_json(pair.round_trip)},
+          {"fused_landmarks", pair.fused},
+          {"duplicates", pair.duplicates}};
+}
+
+}  // namespace
+
+nlohmann::json figures_json(const TeamFigures& figures) {
+  nlohmann::json json = {{"robots", nlohmann::json::array()}, {"pairs", nlohmann::json::array()}};
+  for (const RobotFigures& robot : figures.robots) json["robots"].push_back(robot_json(robot));
+  for (const PairFigures& pair : figures.pairs) json["pairs"].push_back(pair_json(figures, pair));
+  json["circle_closure"] = error_json(figures.circle);
+  return json;
+}
+
+}  // namespace zenith::tools
