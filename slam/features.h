@@ -11,7 +11,7 @@
 #include "platform/base/fixed_vector.h"
 #include "slam/image/corners.h"
 #include "slam/image/rectify.h"
-#include "slam/map/association.h"
+#include "slam/image/feature.h"
 #include "slam/parameters.h"
 #include "slam/robot.h"
 

@@ -51,7 +51,7 @@ void Mapper::build(const RobotConfig& robot, const Parameters& parameters, std::
   pixel_ = 1.0 / f;
   association_.min_radius = 1.5 * pixel_;
   map_.reset();
-  tilt_.reset(p_.tilt_sigma_deg * kDegree);
+  calibration_.reset(p_.tilt_sigma_deg * kDegree, p_.focal_sigma);
   const auto n = static_cast<std::size_t>(particles_.count);
   std::fill_n(particles_.weight.begin(), n, 1.0 / static_cast<double>(n));
   place_cameras(particles_, lever_m());
@@ -77,7 +77,7 @@ void Mapper::update(const WheelTravel& travel, Features& features,
   }
   pose_ = estimate_pose(particles_);
   for (Feature& f : features) {
-    const Eigen::Vector2d shift = tilt_shift({f.zx, f.zy}, tilt_.tau());
+    const Eigen::Vector2d shift = calibration_effect({f.zx, f.zy}) * calibration_.beta();
     f.zx += static_cast<float>(shift.x());
     f.zy += static_cast<float>(shift.y());
   }
@@ -85,14 +85,14 @@ void Mapper::update(const WheelTravel& travel, Features& features,
 
   predict_candidates(view);
   associate(features);
-  if (tilt_.enabled()) learn_tilt(features);
+  if (calibration_.enabled()) learn_calibration(features);
   weigh_and_move(features);
   effective_ = normalise_weights(particles_);
   pose_ = estimate_pose(particles_);
   update_landmarks(features);
   keep(candidates_[0]);
   start_landmarks(features);
-  if (tilt_.enabled()) move_by_tilt(tilt_.end_frame());
+  if (calibration_.enabled()) move_by_calibration(calibration_.end_frame());
   resample_if_needed();
   first_ = false;
 }
@@ -277,20 +277,20 @@ void Mapper::follow_old_map() {
   }
 }
 
-// Propagates how pose and landmarks depend on the tilt, and what the residuals tell of it. Runs
+// Propagates how pose and landmarks depend on the calibration, and what the residuals tell of it. Runs
 // before the particles move, at the one that weighs most.
-void Mapper::learn_tilt(const Features& features) {
+void Mapper::learn_calibration(const Features& features) {
   const auto n = static_cast<std::ptrdiff_t>(particles_.count);
   const int best = static_cast<int>(
       std::max_element(particles_.weight.begin(), particles_.weight.begin() + n) -
       particles_.weight.begin());
   const Eigen::Vector2d moved =
       rotation(pose_.mean.theta_rad - motion_.mean.theta_rad) * motion_.mean.position();
-  pose_by_tilt_.row(0) -= moved.y() * pose_by_tilt_.row(2);
-  pose_by_tilt_.row(1) += moved.x() * pose_by_tilt_.row(2);
+  pose_by_calibration_.row(0) -= moved.y() * pose_by_calibration_.row(2);
+  pose_by_calibration_.row(1) += moved.x() * pose_by_calibration_.row(2);
 
   const Eigen::Matrix3d Q = motion_.covariance + 4e-10 * Eigen::Matrix3d::Identity();
-  tilt_.begin_frame(Q.llt().solve(Eigen::Matrix3d::Identity()));
+  calibration_.begin_frame(Q.llt().solve(Eigen::Matrix3d::Identity()));
   const auto for_each_inlier = [&](auto&& visit) {
     for (const Candidate& c : candidates_[0]) {
       if (!c.inlier) continue;
@@ -299,33 +299,33 @@ void Mapper::learn_tilt(const Features& features) {
       const ObservationModel model = linearise(map_.rows(c.slot), particles_.camera, best,
                                                lever_m(), static_cast<double>(noise_));
       visit(c, z, model,
-            residual_sensitivity(model, z, map_.by_tilt(c.slot), pose_by_tilt_,
-                                 map_.anchor_by_tilt(c.slot)));
+            residual_sensitivity(model, z, map_.by_calibration(c.slot), pose_by_calibration_,
+                                 map_.anchor_by_calibration(c.slot)));
     }
   };
   for_each_inlier([&](const Candidate& c, const Eigen::Vector2d& z, const ObservationModel&,
-                      const Eigen::Matrix2d& D) {
+                      const Eigen::Matrix<double, 2, 3>& D) {
     if (!c.promoted) return;
     const Eigen::Matrix2d W = c.own.inverse();
     const Eigen::Vector2d r = z - c.m;
     const Eigen::Vector2d after = r - c.G * correction_.xi;
-    tilt_.add(r, c.G, D, W / (1.0 + after.dot(W * after) / 4.0));
+    calibration_.add(r, c.G, D, W / (1.0 + after.dot(W * after) / 4.0));
   });
-  PoseSensitivity gain = tilt_.pose_gain();
+  PoseSensitivity gain = calibration_.pose_gain();
   gain.topRows<2>() = rotation(pose_.mean.theta_rad) * gain.topRows<2>();
-  pose_by_tilt_ += gain;
+  pose_by_calibration_ += gain;
   for_each_inlier([&](const Candidate& c, const Eigen::Vector2d&, const ObservationModel& model,
-                      const Eigen::Matrix2d& D) { map_.by_tilt(c.slot) += model.gain * D; });
+                      const Eigen::Matrix<double, 2, 3>& D) { map_.by_calibration(c.slot) += model.gain * D; });
 }
 
-// The tilt was learned a little better: poses move with it now, landmarks when next touched.
-void Mapper::move_by_tilt(const Eigen::Vector2d& step) {
-  const Eigen::Vector3d move = pose_by_tilt_ * step;
+// The calibration was learned a little better: poses move with it now, landmarks when next touched.
+void Mapper::move_by_calibration(const Eigen::Vector3d& step) {
+  const Eigen::Vector3d move = pose_by_calibration_ * step;
   for (int i = 0; i < particles_.count; ++i) {
     const Pose2 pose = particles_.pose(i);
     particles_.set_pose(i, {pose.x_m + move.x(), pose.y_m + move.y(), pose.theta_rad + move.z()});
   }
-  map_.set_tilt(tilt_.tau());
+  map_.set_calibration(calibration_.beta());
 }
 
 void Mapper::weigh_and_move(const Features& features) {
@@ -413,7 +413,7 @@ void Mapper::start_landmarks(const Features& features) {
   if (!first_ && travelled_m_ - anchor_travel_m_ < p_.anchor_distance_m && turned < 5.0 * kDegree) {
     return;
   }
-  const int anchor = map_.create_anchor(particles_.camera, pose_by_tilt_);
+  const int anchor = map_.create_anchor(particles_.camera, pose_by_calibration_);
   if (anchor < 0) {
     ++counters_.landmarks_rejected_full;
     return;

@@ -10,7 +10,7 @@
 #include "slam/filter/motion.h"
 #include "slam/filter/particles.h"
 #include "slam/filter/proposal.h"
-#include "slam/filter/tilt.h"
+#include "slam/filter/calibration.h"
 #include "slam/map/association.h"
 #include "slam/map/map.h"
 #include "slam/parameters.h"
@@ -42,7 +42,7 @@ class Mapper {
   bool worth_using(const WheelTravel& travel) const;
 
   // One used frame; `travel` of the wheels since the last used one.
-  // Corrects the features for the tilt learned so far.
+  // Corrects the features for the calibration learned so far.
   void update(const WheelTravel& travel, Features& features, const FeatureExtractor& view);
 
   const Particles& particles() const { return particles_; }
@@ -53,7 +53,7 @@ class Mapper {
   std::span<const Candidate> candidates() const { return candidates_[0].span(); }
   double travelled_m() const { return travelled_m_; }
   double effective_sample_size() const { return effective_; }
-  const TiltEstimator& tilt() const { return tilt_; }
+  const CalibrationEstimator& calibration() const { return calibration_; }
   bool loop_closing() const { return loop_closing_; }
   const MapperCounters& counters() const { return counters_; }
   Eigen::Vector2d lever_m() const { return {robot_.mount.x_m, robot_.mount.y_m}; }
@@ -67,8 +67,8 @@ class Mapper {
                 const PoseCorrection& recent);
   void follow_old_map();
   void believe_slip();
-  void learn_tilt(const Features& features);
-  void move_by_tilt(const Eigen::Vector2d& step);
+  void learn_calibration(const Features& features);
+  void move_by_calibration(const Eigen::Vector3d& step);
   void weigh_and_move(const Features& features);
   void update_landmarks(const Features& features);
   void note_observation(const Candidate& c, const Feature& f);
@@ -91,8 +91,8 @@ class Mapper {
   Associator associator_;
   MotionIncrement motion_;
   ProposalRows proposal_;
-  TiltEstimator tilt_;
-  PoseSensitivity pose_by_tilt_ = PoseSensitivity::Zero();
+  CalibrationEstimator calibration_;
+  PoseSensitivity pose_by_calibration_ = PoseSensitivity::Zero();
   PredictionRows prediction_;
   std::span<Candidates> candidates_;
   std::span<std::uint16_t> parents_;

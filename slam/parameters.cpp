@@ -44,8 +44,9 @@ constexpr auto kTable = std::to_array<ParameterInfo>({
      &P::min_travel_m},
     {"min_turn_deg", "deg", 0, 45, "nor those turned by less than this", &P::min_turn_deg},
     {"tilt_sigma_deg", "deg", 0, 5,
-     "how wrong the calibrated tilt of the camera may be; it is estimated while driving; 0: never",
+     "how wrong the calibrated tilt of the camera may be; the rest is learned while driving; 0: off",
      &P::tilt_sigma_deg},
+    {"focal_sigma", "", 0, 0.1, "the same of the focal length, relative; 0: taken as calibrated", &P::focal_sigma},
 
     {"ncc_match", "", -1, 1, "least similarity of a corner and its landmark", &P::ncc_match},
     {"ncc_match_settled", "", -1, 1,

@@ -73,6 +73,7 @@ const StepOutput& Slam::step(const StepInput& input) {
     s.has_used = true;
     out.T_start_robot = s.mapper.pose().mean;
   } else {
+    s.fleet.rest(s.mapper.map());
     out.T_start_robot = s.mapper.pose().mean * wheel_motion(s.mapper.robot().wheels, travel);
   }
   out.pose_covariance = s.mapper.pose().covariance;
@@ -112,12 +113,19 @@ std::size_t Slam::landmarks(std::span<LandmarkEstimate> out) const {
 }
 
 std::size_t Slam::publish(std::span<LandmarkRecord> out) {
-  return publish_changes(state_->mapper.map(), out);
+  const std::size_t count = publish_changes(state_->mapper.map(), out);
+  state_->fleet.receive_own(out.first(count));
+  return count;
 }
 
 void Slam::receive(int peer, std::span<const LandmarkRecord> records) {
   assert(peer >= 0 && peer < kMaxPeers);
   state_->fleet.receive(peer, records);
+}
+
+void Slam::offer_alignment(int peer, const Pose2& T_own_peer) {
+  assert(peer >= 0 && peer < kMaxPeers);
+  state_->fleet.offer_alignment(peer, T_own_peer);
 }
 
 std::span<const Alignment> Slam::alignments() const { return state_->fleet.alignments(); }

@@ -14,6 +14,7 @@
 
 #include "platform/base/time.h"
 #include "slam/capacity.h"
+#include "slam/fleet/alignment.h"
 #include "slam/fleet/record.h"
 #include "slam/geometry.h"
 #include "slam/image/image.h"
@@ -54,30 +55,6 @@ struct StepOutput {
   int inliers = 0;
 };
 
-struct LandmarkEstimate {
-  std::uint32_t id = 0;
-  Eigen::Vector3d position_m;      // in the robot's own start frame
-  Eigen::Matrix3d covariance_m2;
-  int observations = 0;
-};
-
-enum class AlignmentState { kCandidate, kMerged, kWithdrawn };
-
-// The transform that takes peer's coordinates into the robot's own start frame.
-struct Alignment {
-  int peer = 0;                    // slot, as given to receive()
-  AlignmentState state = AlignmentState::kCandidate;
-  Pose2 T_own_peer;
-  Eigen::Matrix3d covariance;      // over (x, y, theta)
-  double confidence = 0.0;         // Eq. 4, corrected
-  int correspondences = 0;
-};
-
-struct Correspondence {
-  std::uint32_t own_id = 0;
-  std::uint32_t peer_id = 0;
-};
-
 class Slam {
  public:
   // Bytes that the constructor needs. Depends on the parameters (particles) alone.
@@ -105,19 +82,18 @@ class Slam {
   // A peer's records. `peer` is a slot in [0, kMaxPeers).
   void receive(int peer, std::span<const LandmarkRecord> records);
 
+  // A peer has merged with this robot; `T_own_peer` is the inverse of what it found. The offer is
+  // tested map against map before it counts.
+  void offer_alignment(int peer, const Pose2& T_own_peer);
+
   // The state with each known peer: the leading hypothesis, or none when there is no candidate.
   std::span<const Alignment> alignments() const;
 
   // The pairs of landmarks that hold the alignment with `peer` (its leading hypothesis).
   std::span<const Correspondence> correspondences(int peer) const;
 
-  // The common map: own landmarks fused with all merged peers', in the own start frame. `owners`
-  // counts the robots that hold a landmark. Returns how many were written.
-  struct FusedLandmark {
-    LandmarkEstimate landmark;
-    int owners = 1;
-    int source = -1;  // -1: own (possibly fused); otherwise the peer's slot
-  };
+  // The common map: own landmarks fused with all merged peers', in the own start frame. Returns how
+  // many were written.
   std::size_t fused_landmarks(std::span<FusedLandmark> out) const;
 
  private:

@@ -21,6 +21,18 @@ double worth(const Hypothesis& h) {
   return tells ? h.score() : kNothing + h.score();
 }
 
+// The index of a free hypothesis, or of the one to give up.
+int give_up_one(const Peer& peer) {
+  int place = -1;
+  for (int i = 0; i < kMaxHypotheses; ++i) {
+    const Hypothesis& h = peer.hypotheses[static_cast<std::size_t>(i)];
+    if (!h.used) return i;
+    if (i == peer.leader || i == peer.offered) continue;
+    if (place < 0 || worth(h) < worth(peer.hypotheses[static_cast<std::size_t>(place)])) place = i;
+  }
+  return place;
+}
+
 }  // namespace
 
 void Peer::layout(Arena& arena) {
@@ -33,8 +45,8 @@ void Fleet::layout(Arena& arena) {
   hough_.layout(arena);
   matches_ = arena.take<OverlapMatches>(1);
   fixes_ = arena.take<PlaceFixes>(1);
-  peers_ = arena.take<Peer>(kMaxPeers);
-  for (int i = 0; i < kMaxPeers; ++i) {
+  peers_ = arena.take<Peer>(kMaxPeers + 1);
+  for (int i = 0; i < kMaxPeers + 1; ++i) {
     Peer scratch;
     (arena.counting() ? scratch : peers_[static_cast<std::size_t>(i)]).layout(arena);
   }
@@ -51,23 +63,97 @@ void Fleet::receive(int peer, std::span<const LandmarkRecord> records) {
   for (const LandmarkRecord& r : records) p.map.apply(r);
 }
 
+void Fleet::receive_own(std::span<const LandmarkRecord> records) {
+  self().known = true;
+  for (const LandmarkRecord& r : records) self().map.apply(r);
+}
+
+void Fleet::offer_alignment(int peer_slot, const Pose2& T_own_peer) {
+  Peer& peer = peers_[static_cast<std::size_t>(peer_slot)];
+  if (!peer.known || peer.map.empty() || peer.merged) return;
+  if (peer.offered >= 0) return;  // one is under test
+  Hypothesis& h = peer.hypotheses[static_cast<std::size_t>(give_up_one(peer))];
+  h = Hypothesis{};
+  h.used = true;
+  h.T_own_peer = T_own_peer;
+  h.covariance = Eigen::Vector3d(0.0025, 0.0025, 0.0004).asDiagonal();
+  peer.offered = static_cast<int>(&h - peer.hypotheses.data());
+  peer.sweep = 0;
+  peer.swept = {};
+}
+
 void Fleet::update(const ObservedFrame& frame, const Map& map, const Pose2& T_own_robot,
                    double travelled_m) {
-  const bool moved = travelled_m - searched_at_m_ >= search_distance_m_;
-  if (moved) searched_at_m_ = travelled_m;
+  schedule(travelled_m);
+  // One search a frame: the work of a frame does not grow with the number of peers.
   for (Peer& peer : peers_) {
-    if (!peer.known || peer.map.empty()) continue;
-    if (moved) search(peer, frame, map, T_own_robot);
-    if (peer.merged) search_duplicates(peer, map);
+    if (!peer.search_due) continue;
+    peer.search_due = false;
+    search(peer, frame, map, T_own_robot);
+    break;
   }
+  compare_maps(map);
   report();
+}
+
+void Fleet::rest(const Map& map) {
+  compare_maps(map);
+  report();
+}
+
+void Fleet::schedule(double travelled_m) {
+  if (travelled_m - searched_at_m_ < search_distance_m_) return;
+  searched_at_m_ = travelled_m;
+  bool undecided = false;
+  for (Peer& peer : peers_.first(kMaxPeers)) {
+    peer.search_due = peer.known && !peer.map.empty();
+    undecided |= peer.search_due && !peer.merged;
+  }
+  self().search_due = undecided && self().known && !self().map.empty();
+}
+
+void Fleet::compare_maps(const Map& map) {
+  for (Peer& peer : peers_.first(kMaxPeers)) {
+    const int subject = peer.merged ? peer.leader : peer.offered;
+    if (subject < 0) continue;
+    search_duplicates(peer, map, peer.hypotheses[static_cast<std::size_t>(subject)]);
+    if (!peer.merged) judge_offer(peer);
+  }
+}
+
+bool Fleet::own_map_repeats(const Hypothesis& leader) const {
+  for (const Hypothesis& h : self().hypotheses) {
+    if (h.used && h.expected() > decision_.alike_expected_share * leader.expected() &&
+        h.hits() > decision_.alike_hit_share * h.expected()) {
+      return true;
+    }
+  }
+  return false;
+}
+
+// After a walk through the whole of the peer's map.
+void Fleet::judge_offer(Peer& peer) {
+  if (peer.sweep != 0 || peer.swept.expected == 0) return;
+  const auto index = static_cast<std::size_t>(peer.offered);
+  Hypothesis& h = peer.hypotheses[index];
+  const bool right = peer.swept.hits >= decision_.min_pairs &&
+                     peer.swept.hits > decision_.adopt_hit_share * peer.swept.expected &&
+                     !own_map_repeats(h);
+  peer.offered = -1;
+  peer.swept = {};
+  if (!right) {
+    h.used = false;
+    return;
+  }
+  peer.leader = static_cast<int>(index);
+  peer.merged = true;
 }
 
 void Fleet::search(Peer& peer, const ObservedFrame& frame, const Map& map,
                    const Pose2& T_own_robot) {
   propose(peer, frame, T_own_robot);
   test(peer, frame, map, T_own_robot);
-  decide(peer, T_own_robot);
+  if (!is_self(peer)) decide(peer, T_own_robot);
 }
 
 // New hypotheses from this frame alone.
@@ -76,17 +162,12 @@ void Fleet::propose(Peer& peer, const ObservedFrame& frame, const Pose2& T_own_r
   hough_.find_places(frame, peer.map, matches_[0], hough_settings_, fixes_[0]);
   for (const PlaceFix& fix : fixes_[0]) {
     const Pose2 T_own_peer = T_own_robot * fix.T_peer_robot.inverse();
+    if (is_self(peer) && same_alignment(T_own_peer, {}, T_own_robot.position())) continue;
     const auto known = std::find_if(peer.hypotheses.begin(), peer.hypotheses.end(), [&](auto& h) {
       return h.used && same_alignment(h.T_own_peer, T_own_peer, T_own_robot.position());
     });
     if (known != peer.hypotheses.end()) continue;
-    Hypothesis* place = nullptr;
-    for (Hypothesis& h : peer.hypotheses) {
-      const bool held = &h - peer.hypotheses.data() == peer.leader;
-      if (held) continue;
-      if (place == nullptr || !h.used || (place->used && worth(h) < worth(*place))) place = &h;
-      if (!place->used) break;
-    }
+    Hypothesis* place = &peer.hypotheses[static_cast<std::size_t>(give_up_one(peer))];
     *place = Hypothesis{};
     place->used = true;
     place->T_own_peer = T_own_peer;
@@ -102,8 +183,10 @@ void Fleet::test(Peer& peer, const ObservedFrame& frame, const Map& map,
     const Eigen::Vector2d place = rotation(h.T_own_peer.theta_rad) * result.T_peer_robot.position();
     h.confidence.add(T_own_robot.position(), place, result.found);
     refit(h, map, peer.map);
-    const bool leads = peer.merged && &h - peer.hypotheses.data() == peer.leader;
-    if (!leads && h.searches >= Hypothesis::kWindow && h.hits() == 0) h.used = false;
+    const auto index = static_cast<int>(&h - peer.hypotheses.data());
+    const bool held = (peer.merged && index == peer.leader) || index == peer.offered;
+    if (!held && h.searches >= Hypothesis::kWindow && h.hits() == 0) h.used = false;
+    if (is_self(peer) && same_alignment(h.T_own_peer, {}, T_own_robot.position())) h.used = false;
   }
   // Two that have become the same are one: the better supported stays.
   for (std::size_t i = 0; i < peer.hypotheses.size(); ++i) {
@@ -112,6 +195,7 @@ void Fleet::test(Peer& peer, const ObservedFrame& frame, const Map& map,
       Hypothesis& b = peer.hypotheses[k];
       if (!a.used || !b.used) continue;
       if (!same_alignment(a.T_own_peer, b.T_own_peer, T_own_robot.position())) continue;
+      if (static_cast<int>(i) == peer.offered || static_cast<int>(k) == peer.offered) continue;
       const bool keep_a = static_cast<int>(i) == peer.leader ||
                           (static_cast<int>(k) != peer.leader && a.hits() >= b.hits());
       (keep_a ? b : a).used = false;
@@ -123,7 +207,7 @@ void Fleet::decide(Peer& peer, const Pose2& T_own_robot) {
   int best = -1;
   for (int i = 0; i < kMaxHypotheses; ++i) {
     const Hypothesis& h = peer.hypotheses[static_cast<std::size_t>(i)];
-    if (!h.used) continue;
+    if (!h.used || i == peer.offered) continue;
     if (best < 0 || h.score() > peer.hypotheses[static_cast<std::size_t>(best)].score()) best = i;
   }
   if (!peer.merged) peer.leader = best;
@@ -132,7 +216,7 @@ void Fleet::decide(Peer& peer, const Pose2& T_own_robot) {
   const Hypothesis* rival = nullptr;
   for (int i = 0; i < kMaxHypotheses; ++i) {
     const Hypothesis& h = peer.hypotheses[static_cast<std::size_t>(i)];
-    if (i == peer.leader || !h.used) continue;
+    if (i == peer.leader || i == peer.offered || !h.used) continue;
     if (same_alignment(h.T_own_peer, leader.T_own_peer, T_own_robot.position())) continue;
     if (rival == nullptr || h.score() > rival->score()) rival = &h;
   }
@@ -142,12 +226,14 @@ void Fleet::decide(Peer& peer, const Pose2& T_own_robot) {
     peer.merged = leader.confidence.value() > d.confidence && leader.score() > d.score &&
                   leader.searches >= d.min_searches &&
                   static_cast<int>(leader.pairs.size()) >= d.min_pairs &&
-                  rival_score < d.rival_share * leader.score();
+                  rival_score < d.rival_share * leader.score() && !own_map_repeats(leader);
+    if (peer.merged) peer.offered = -1;
     return;
   }
   const bool refuted = leader.expected() >= d.withdraw_expected &&
                        leader.hits() < d.withdraw_share * leader.expected();
-  const bool beaten = rival_score > d.score && rival_score > leader.score() + d.score;
+  const bool beaten = rival_score > d.score && leader.expected() >= d.withdraw_expected / 2 &&
+                      leader.hits() < d.beaten_hit_share * leader.expected();
   if (refuted || beaten) {
     peer.hypotheses[static_cast<std::size_t>(peer.leader)].used = false;
     peer.merged = false;
@@ -158,26 +244,32 @@ void Fleet::decide(Peer& peer, const Pose2& T_own_robot) {
 
 // Common landmarks that no frame has shown yet (paper III-C): within the uncertainty that the
 // transform enlarges, a similar look makes a pair, and the next fit uses it.
-void Fleet::search_duplicates(Peer& peer, const Map& map) {
-  Hypothesis& h = peer.hypotheses[static_cast<std::size_t>(peer.leader)];
+void Fleet::search_duplicates(Peer& peer, const Map& map, Hypothesis& h) {
   const auto theirs = peer.map.landmarks();
   const auto own = map.landmarks();
   for (int n = 0; n < kSweepPerFrame; ++n) {
+    const int slot_of_peer = peer.sweep;
     peer.sweep = (peer.sweep + 1) % static_cast<int>(theirs.size());
-    const PeerLandmark& l = theirs[static_cast<std::size_t>(peer.sweep)];
-    if (!l.present) continue;
+    const PeerLandmark& l = theirs[static_cast<std::size_t>(slot_of_peer)];
+    if (!l.present) {
+      if (peer.sweep == 0) break;
+      continue;
+    }
     const Eigen::Vector2d at = h.T_own_peer * l.xy();
     const Eigen::Matrix2d P =
         transform_covariance(h.T_own_peer, h.covariance, l.xy(), l.covariance_xy());
     const double reach = 0.08 + std::min(3.0 * std::sqrt(P.trace()), 0.3);
     int best_slot = -1;
+    bool any = false;
     float best = kDuplicateNcc;
     for (std::size_t slot = 0; slot < own.size(); ++slot) {
       const LandmarkInfo& o = own[slot];
       const double dx = static_cast<double>(o.x_m) - at.x();
       const double dy = static_cast<double>(o.y_m) - at.y();
-      if (dx * dx + dy * dy > reach * reach || o.state != LandmarkState::kPromoted) continue;
+      if (dx * dx + dy * dy > 4.0 * reach * reach || o.state != LandmarkState::kPromoted) continue;
       if (std::abs(o.z_m - l.z_m) > 0.3F) continue;
+      any = true;
+      if (dx * dx + dy * dy > reach * reach) continue;
       for (int i = o.first_appearance; i >= 0; i = map.appearance(i).next) {
         const Appearance& a = map.appearance(i);
         for (int k = 0; k < l.appearance_count; ++k) {
@@ -191,14 +283,19 @@ void Fleet::search_duplicates(Peer& peer, const Map& map) {
         }
       }
     }
-    if (best_slot < 0) continue;
-    confirm_pair(h, {best_slot, own[static_cast<std::size_t>(best_slot)].id, peer.sweep, 1});
+    peer.swept.expected += any ? 1 : 0;
+    if (best_slot >= 0) {
+      ++peer.swept.hits;
+      confirm_pair(h,
+                   {best_slot, own[static_cast<std::size_t>(best_slot)].id, slot_of_peer, 1});
+    }
+    if (peer.sweep == 0) break;  // a walk is over
   }
 }
 
 void Fleet::report() {
   alignments_.clear();
-  for (std::size_t i = 0; i < peers_.size(); ++i) {
+  for (std::size_t i = 0; i < kMaxPeers; ++i) {
     Peer& peer = peers_[i];
     if (!peer.known) continue;
     Alignment& a = peer.alignment;

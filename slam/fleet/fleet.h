@@ -8,24 +8,31 @@
 #include <span>
 
 #include "platform/base/arena.h"
+#include "slam/fleet/alignment.h"
 #include "slam/fleet/hough.h"
 #include "slam/fleet/hypothesis.h"
 #include "slam/fleet/overlap.h"
 #include "slam/fleet/peer_map.h"
 #include "slam/parameters.h"
-#include "slam/slam.h"
 
 namespace zenith {
 
 // What an alignment must show before it is acted upon, and when it has failed.
 struct DecisionSettings {
   double confidence = 0.5;       // Eq. 4
-  double score = 45.0;           // log odds, see Hypothesis::score()
+  double score = 80.0;           // log odds, see Hypothesis::score()
   double rival_share = 0.5;      // a rival with this share of the leader's score: ambiguous
   int min_searches = 4;
   int min_pairs = 15;
   double withdraw_share = 0.3;   // of the expected landmarks found: no better than a wrong one
+  double beaten_hit_share = 0.5; // enough against the leader when a rival could be merged
   int withdraw_expected = 120;   // landmarks that could have been found, before it is judged
+  // The own map explains the frame from another place about as well: a ceiling that repeats itself
+  // cannot tell where along the repetition the robot is.
+  double alike_hit_share = 0.72;
+  double alike_expected_share = 0.4;  // of what the leader expects
+  // An alignment that the peer has merged with, tested map against map.
+  double adopt_hit_share = 0.7;
 };
 
 class Peer {
@@ -40,7 +47,12 @@ class Peer {
   std::span<Hypothesis> hypotheses;   // kMaxHypotheses
   std::span<Correspondence> pairs;    // of the leader, for readers
   std::size_t pair_count = 0;
-  int sweep = 0;                      // next peer landmark of the search for duplicates
+  bool search_due = false;
+
+  // The search for duplicates walks through the peer's landmarks.
+  int sweep = 0;
+  Support swept;                      // of this walk
+  int offered = -1;                   // hypothesis that the peer says is right, under test
 };
 
 class Fleet {
@@ -49,20 +61,34 @@ class Fleet {
   void build(const Parameters& parameters);
 
   void receive(int peer, std::span<const LandmarkRecord> records);
+  // The peer has merged with this robot: T takes its coordinates into the own ones. Not believed but
+  // tested, map against map; both robots then go on in the common map at about the same time.
+  void offer_alignment(int peer, const Pose2& T_own_peer);
+  // What this robot publishes: its own map as others know it, to see where it repeats itself.
+  void receive_own(std::span<const LandmarkRecord> records);
 
   // One used frame of the robot. Searches when it has moved far enough since the last search.
   void update(const ObservedFrame& frame, const Map& map, const Pose2& T_own_robot,
               double travelled_m);
+  // A frame in which the robot stood: only the maps are compared.
+  void rest(const Map& map);
 
   std::span<const Alignment> alignments() const { return alignments_.span(); }
-  std::span<const Peer> peers() const { return peers_; }
+  std::span<const Peer> peers() const { return peers_.first(kMaxPeers); }
 
  private:
+  void schedule(double travelled_m);
+  void compare_maps(const Map& map);
+  bool own_map_repeats(const Hypothesis& leader) const;
+  void judge_offer(Peer& peer);
   void search(Peer& peer, const ObservedFrame& frame, const Map& map, const Pose2& T_own_robot);
   void propose(Peer& peer, const ObservedFrame& frame, const Pose2& T_own_robot);
   void test(Peer& peer, const ObservedFrame& frame, const Map& map, const Pose2& T_own_robot);
   void decide(Peer& peer, const Pose2& T_own_robot);
-  void search_duplicates(Peer& peer, const Map& map);
+  Peer& self() { return peers_[kMaxPeers]; }
+  const Peer& self() const { return peers_[kMaxPeers]; }
+  bool is_self(const Peer& peer) const { return &peer == &self(); }
+  void search_duplicates(Peer& peer, const Map& map, Hypothesis& hypothesis);
   void report();
 
   OverlapSettings overlap_;
@@ -72,7 +98,7 @@ class Fleet {
   double search_distance_m_ = 0.2;
   double searched_at_m_ = -1e9;
   HoughSearch hough_;
-  std::span<Peer> peers_;
+  std::span<Peer> peers_;  // kMaxPeers, and the robot itself behind them
   std::span<OverlapMatches> matches_;
   std::span<PlaceFixes> fixes_;
   FixedVector<Alignment, kMaxPeers> alignments_;

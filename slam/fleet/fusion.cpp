@@ -33,7 +33,7 @@ LandmarkEstimate fuse(const LandmarkEstimate& a, const LandmarkEstimate& b) {
 }
 
 std::size_t read_common_map(const Map& map, const Fleet& fleet,
-                            std::span<Slam::FusedLandmark> out) {
+                            std::span<FusedLandmark> out) {
   std::size_t count = 0;
   for (const LandmarkInfo& l : map.landmarks()) {
     if (count == out.size()) return count;
@@ -54,7 +54,7 @@ std::size_t read_common_map(const Map& map, const Fleet& fleet,
       });
       if (pair != pairs.end()) {
         const auto end = out.begin() + static_cast<std::ptrdiff_t>(own_count);
-        const auto own = std::find_if(out.begin(), end, [pair](const Slam::FusedLandmark& f) {
+        const auto own = std::find_if(out.begin(), end, [pair](const FusedLandmark& f) {
           return f.landmark.id == pair->own_id;
         });
         if (own != end) {

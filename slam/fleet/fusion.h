@@ -18,6 +18,6 @@ LandmarkEstimate transform_landmark(const PeerLandmark& landmark, const Pose2& T
 LandmarkEstimate fuse(const LandmarkEstimate& a, const LandmarkEstimate& b);
 
 // Returns how many were written; a full `out` ends the reading.
-std::size_t read_common_map(const Map& map, const Fleet& fleet, std::span<Slam::FusedLandmark> out);
+std::size_t read_common_map(const Map& map, const Fleet& fleet, std::span<FusedLandmark> out);
 
 }  // namespace zenith

@@ -10,23 +10,10 @@
 
 #include "platform/base/fixed_vector.h"
 #include "slam/capacity.h"
-#include "slam/image/corners.h"
-#include "slam/image/patch.h"
+#include "slam/image/feature.h"
 #include "slam/map/map.h"
 
 namespace zenith {
-
-// A corner with what it looks like.
-struct Feature {
-  float zx = 0.0F;
-  float zy = 0.0F;
-  float u_px = 0.0F;
-  float v_px = 0.0F;
-  float orientation_rad = 0.0F;  // in the image's, that is the robot's axes
-  bool described = false;        // has contrast enough for a patch
-  Patch patch;
-  CompactPatch compact;
-};
 
 // A landmark predicted into the image, averaged over the particles.
 struct Candidate {

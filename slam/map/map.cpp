@@ -30,8 +30,8 @@ void Map::layout(Arena& arena, int particles) {
   anchor_users_ = arena.take<std::int32_t>(kAnchors);
   free_anchors_ = arena.take<std::int32_t>(kAnchors);
   pool_ = arena.take<Appearance>(kAppearancePool);
-  tilts_ = arena.take<LandmarkTilt>(kLandmarks);
-  anchor_tilts_ = arena.take<AnchorTilt>(kAnchors);
+  calibrations_ = arena.take<LandmarkCalibration>(kLandmarks);
+  anchor_calibrations_ = arena.take<AnchorCalibration>(kAnchors);
 }
 
 void Map::reset() {
@@ -65,7 +65,7 @@ int Map::create(int anchor) {
   l.anchor = anchor;
   ++anchor_users_[static_cast<std::size_t>(anchor)];
   rows_.set_generation(slot, ancestry_.generation());
-  tilts_[static_cast<std::size_t>(slot)] = {LandmarkSensitivity::Zero(), tilt_};
+  calibrations_[static_cast<std::size_t>(slot)] = {LandmarkSensitivity::Zero(), calibration_};
   return slot;
 }
 
@@ -86,7 +86,7 @@ void Map::remove(int slot) {
   release_if_unused(anchor);
 }
 
-int Map::create_anchor(const CameraRows& camera, const PoseSensitivity& by_tilt) {
+int Map::create_anchor(const CameraRows& camera, const PoseSensitivity& by_calibration) {
   if (anchors_used_ == kMaxAnchors) return -1;
   const int anchor = free_anchors_[static_cast<std::size_t>(kMaxAnchors - 1 - anchors_used_)];
   ++anchors_used_;
@@ -95,7 +95,7 @@ int Map::create_anchor(const CameraRows& camera, const PoseSensitivity& by_tilt)
   std::copy_n(camera.cos, particles_, anchor_rows_.row(anchor, 2));
   std::copy_n(camera.sin, particles_, anchor_rows_.row(anchor, 3));
   anchor_rows_.set_generation(anchor, ancestry_.generation());
-  anchor_tilts_[static_cast<std::size_t>(anchor)] = {by_tilt, tilt_};
+  anchor_calibrations_[static_cast<std::size_t>(anchor)] = {by_calibration, calibration_};
   return anchor;
 }
 
@@ -122,22 +122,22 @@ LandmarkRows Map::rows(int slot) {
   const int anchor = info(slot).anchor;
   rows_.bring(slot, ancestry_);
   anchor_rows_.bring(anchor, ancestry_);
-  follow_tilt(slot, anchor);
+  follow_calibration(slot, anchor);
   return landmark_rows(rows_, slot, anchor_rows_, anchor);
 }
 
-void Map::follow_tilt(int slot, int anchor) {
-  LandmarkTilt& l = tilts_[static_cast<std::size_t>(slot)];
-  const Eigen::Vector3f move = (l.B * (tilt_ - l.tau)).cast<float>();
-  l.tau = tilt_;
+void Map::follow_calibration(int slot, int anchor) {
+  LandmarkCalibration& l = calibrations_[static_cast<std::size_t>(slot)];
+  const Eigen::Vector3f move = (l.B * (calibration_ - l.beta)).cast<float>();
+  l.beta = calibration_;
   for (int r = 0; r < 3; ++r) {
     if (move[r] == 0.0F) continue;
     float* row = rows_.row(slot, r);
     for (int i = 0; i < particles_; ++i) row[i] += move[r];
   }
-  AnchorTilt& a = anchor_tilts_[static_cast<std::size_t>(anchor)];
-  const Eigen::Vector3f shift = (a.A * (tilt_ - a.tau)).cast<float>();
-  a.tau = tilt_;
+  AnchorCalibration& a = anchor_calibrations_[static_cast<std::size_t>(anchor)];
+  const Eigen::Vector3f shift = (a.A * (calibration_ - a.beta)).cast<float>();
+  a.beta = calibration_;
   if (shift.isZero(0.0F)) return;
   float* x = anchor_rows_.row(anchor, 0);
   float* y = anchor_rows_.row(anchor, 1);

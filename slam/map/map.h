@@ -7,7 +7,7 @@
 #include "platform/base/arena.h"
 #include "slam/filter/ancestry.h"
 #include "slam/filter/landmark.h"
-#include "slam/filter/tilt.h"
+#include "slam/filter/calibration.h"
 #include "slam/map/landmark_info.h"
 
 namespace zenith {
@@ -24,22 +24,22 @@ class Map {
 
   // The camera rows of this frame as an anchor; -1 when full. An anchor that no landmark holds
   // after release_if_unused() is free again.
-  int create_anchor(const CameraRows& camera, const PoseSensitivity& by_tilt);
+  int create_anchor(const CameraRows& camera, const PoseSensitivity& by_calibration);
   void release_if_unused(int anchor);
 
   // Adds a look; false when the landmark has kMaxAppearances or the pool is empty.
   bool add_appearance(int slot, const Patch& patch, const CompactPatch& compact,
                       float direction_rad);
 
-  // The landmark's rows at today's generation, and for today's tilt.
+  // The landmark's rows at today's generation, and for today's calibration.
   LandmarkRows rows(int slot);
 
-  // How landmark and anchor depend on the camera's tilt (see tilt.h), and the tilt that rows() moves
-  // them to.
-  void set_tilt(const Eigen::Vector2d& tau) { tilt_ = tau; }
-  LandmarkSensitivity& by_tilt(int slot) { return tilts_[static_cast<std::size_t>(slot)].B; }
-  const PoseSensitivity& anchor_by_tilt(int slot) const {
-    return anchor_tilts_[static_cast<std::size_t>(info(slot).anchor)].A;
+  // How landmark and anchor depend on the camera's calibration (see calibration.h), and the
+  // calibration that rows() moves them to.
+  void set_calibration(const Eigen::Vector3d& beta) { calibration_ = beta; }
+  LandmarkSensitivity& by_calibration(int slot) { return calibrations_[static_cast<std::size_t>(slot)].B; }
+  const PoseSensitivity& anchor_by_calibration(int slot) const {
+    return anchor_calibrations_[static_cast<std::size_t>(info(slot).anchor)].A;
   }
   // Recomputes the cached place from the rows.
   void refresh_place(int slot, const double* weight, double camera_z_m);
@@ -82,18 +82,18 @@ class Map {
   std::span<std::int32_t> free_anchors_;
   std::span<Appearance> pool_;
 
-  struct LandmarkTilt {
+  struct LandmarkCalibration {
     LandmarkSensitivity B = LandmarkSensitivity::Zero();
-    Eigen::Vector2d tau = Eigen::Vector2d::Zero();  // for which the rows are right
+    Eigen::Vector3d beta = Eigen::Vector3d::Zero();  // for which the rows are right
   };
-  struct AnchorTilt {
+  struct AnchorCalibration {
     PoseSensitivity A = PoseSensitivity::Zero();
-    Eigen::Vector2d tau = Eigen::Vector2d::Zero();
+    Eigen::Vector3d beta = Eigen::Vector3d::Zero();
   };
-  void follow_tilt(int slot, int anchor);
-  Eigen::Vector2d tilt_ = Eigen::Vector2d::Zero();
-  std::span<LandmarkTilt> tilts_;
-  std::span<AnchorTilt> anchor_tilts_;
+  void follow_calibration(int slot, int anchor);
+  Eigen::Vector3d calibration_ = Eigen::Vector3d::Zero();
+  std::span<LandmarkCalibration> calibrations_;
+  std::span<AnchorCalibration> anchor_calibrations_;
 };
 
 }  // namespace zenith

@@ -10,7 +10,7 @@
 #include "slam/filter/motion.h"
 #include "slam/robot.h"
 
-namespace zenith::testing {
+namespace zenith::point_world {
 
 struct PointLandmark {
   Eigen::Vector3d p_m;
@@ -71,9 +71,8 @@ struct PointWorld {
     const Eigen::Vector2d camera =
         T_world_robot * Eigen::Vector2d(robot.mount.x_m, robot.mount.y_m);
     for (const PointLandmark& l : landmarks) {
-      const Eigen::Vector2d d =
-          rotation(-T_world_robot.theta_rad) * (l.p_m.head<2>() - camera) /
-          (l.p_m.z() - robot.mount.z_m);
+      const Eigen::Vector2d d = rotation(-T_world_robot.theta_rad) * (l.p_m.head<2>() - camera) /
+                                (l.p_m.z() - robot.mount.z_m);
       Eigen::Vector2d px = pinhole.pixel(d);
       px.x() += sigma_px * random.normal();
       px.y() += sigma_px * random.normal();
@@ -100,4 +99,4 @@ inline WheelTravel wheel_travel(const Wheels& wheels, double v_m, double w_rad) 
   return {(v_m - half) / wheels.left_scale, (v_m + half) / wheels.right_scale};
 }
 
-}  // namespace zenith::testing
+}  // namespace zenith::point_world

@@ -1,4 +1,7 @@
-#include "slam/filter/tilt.h"
+#include "slam/filter/calibration.h"
+
+#include <algorithm>
+#include <cmath>
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
@@ -17,8 +20,12 @@ Eigen::Vector2d perpendicular(const Eigen::Vector2d& v) { return {-v.y(), v.x()}
 
 }  // namespace
 
-Eigen::Vector2d tilt_shift(const Eigen::Vector2d& z, const Eigen::Vector2d& tau) {
-  return tau + z * z.dot(tau);
+Eigen::Matrix<double, 2, 3> calibration_effect(const Eigen::Vector2d& z) {
+  const double r = z.norm();
+  const double stretch = r < 1e-6 ? 1.0 : (1.0 + r * r) * std::atan(r) / r;
+  Eigen::Matrix<double, 2, 3> C;
+  C << Eigen::Matrix2d::Identity() + z * z.transpose(), stretch * z;
+  return C;
 }
 
 ObservationModel linearise(const LandmarkRows& l, const CameraRows& camera, int i,
@@ -46,48 +53,50 @@ ObservationModel linearise(const LandmarkRows& l, const CameraRows& camera, int 
   return out;
 }
 
-Eigen::Matrix2d residual_sensitivity(const ObservationModel& model, const Eigen::Vector2d& z,
+Eigen::Matrix<double, 2, 3> residual_sensitivity(const ObservationModel& model, const Eigen::Vector2d& z,
                                      const LandmarkSensitivity& B, const PoseSensitivity& A_pose,
                                      const PoseSensitivity& A_anchor) {
-  return -(Eigen::Matrix2d::Identity() + z * z.transpose()) - model.by_landmark * B -
+  return -calibration_effect(z) - model.by_landmark * B -
          model.by_pose * A_pose - model.by_anchor * A_anchor;
 }
 
-void TiltEstimator::reset(double sigma_rad) {
-  enabled_ = sigma_rad > 0.0;
-  tau_.setZero();
-  information_ = Eigen::Matrix2d::Identity() / (enabled_ ? sigma_rad * sigma_rad : 1.0);
+void CalibrationEstimator::reset(double tilt_sigma_rad, double focal_sigma) {
+  enabled_ = tilt_sigma_rad > 0.0;
+  beta_.setZero();
+  const Eigen::Vector3d sigma(tilt_sigma_rad, tilt_sigma_rad, std::max(focal_sigma, 1e-6));
+  information_.setIdentity();
+  if (enabled_) information_ = sigma.cwiseAbs2().cwiseInverse().asDiagonal();
 }
 
-void TiltEstimator::begin_frame(const Eigen::Matrix3d& motion_information) {
-  tt_.setZero();
-  tx_.setZero();
+void CalibrationEstimator::begin_frame(const Eigen::Matrix3d& motion_information) {
+  bb_.setZero();
+  bx_.setZero();
   xx_ = motion_information;
-  t_.setZero();
+  b_.setZero();
   x_.setZero();
 }
 
-void TiltEstimator::add(const Eigen::Vector2d& residual, const Eigen::Matrix<double, 2, 3>& G,
-                        const Eigen::Matrix2d& D, const Eigen::Matrix2d& weight) {
-  tt_ += D.transpose() * weight * D;
-  tx_ += D.transpose() * weight * G;
+void CalibrationEstimator::add(const Eigen::Vector2d& residual, const Eigen::Matrix<double, 2, 3>& G,
+                        const Eigen::Matrix<double, 2, 3>& D, const Eigen::Matrix2d& weight) {
+  bb_ += D.transpose() * weight * D;
+  bx_ += D.transpose() * weight * G;
   xx_ += G.transpose() * weight * G;
-  t_ += D.transpose() * weight * residual;
+  b_ += D.transpose() * weight * residual;
   x_ += G.transpose() * weight * residual;
 }
 
-PoseSensitivity TiltEstimator::pose_gain() const { return xx_.llt().solve(tx_.transpose()); }
+PoseSensitivity CalibrationEstimator::pose_gain() const { return xx_.llt().solve(bx_.transpose()); }
 
-Eigen::Vector2d TiltEstimator::end_frame() {
+Eigen::Vector3d CalibrationEstimator::end_frame() {
   const Eigen::LLT<Eigen::Matrix3d> llt(xx_);
-  const Eigen::Matrix2d told = tt_ - tx_ * llt.solve(tx_.transpose());
-  const Eigen::Vector2d right = t_ - tx_ * llt.solve(x_);
+  const Eigen::Matrix3d told = bb_ - bx_ * llt.solve(bx_.transpose());
+  const Eigen::Vector3d right = b_ - bx_ * llt.solve(x_);
   information_ = (1.0 - kForget) * information_ + kFrameWeight * told;
-  const Eigen::Vector2d step = information_.ldlt().solve(kFrameWeight * right);
-  tau_ += step;
+  const Eigen::Vector3d step = information_.ldlt().solve(kFrameWeight * right);
+  beta_ += step;
   return step;
 }
 
-Eigen::Matrix2d TiltEstimator::covariance() const { return information_.inverse(); }
+Eigen::Matrix3d CalibrationEstimator::covariance() const { return information_.inverse(); }
 
 }  // namespace zenith
