@@ -44,7 +44,7 @@ struct RobotLog {
   StepCounters counters;
   std::size_t memory_bytes = 0;
   std::vector<LandmarkEstimate> landmarks;
-  std::vector<Slam::FusedLandmark> fused;                    // `source` is a slot, see peer_of_slot
+  std::vector<FusedLandmark> fused;  // `source` is a slot, see peer_of_slot
   std::vector<std::vector<Correspondence>> correspondences;  // by the peer's index in the team
 };
 

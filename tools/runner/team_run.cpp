@@ -33,6 +33,17 @@ void share_records(Team& team, int from) {
   } while (count == records.size());
 }
 
+// Whoever has merged tells the peer; the peer tests it against its own map.
+void offer_alignments(Team& team, int from) {
+  for (int to = 0; to < static_cast<int>(team.size()); ++to) {
+    if (to == from) continue;
+    for (const Alignment& a : team[from]->slam().alignments()) {
+      if (a.peer != slot_of_peer(from, to) || a.state != AlignmentState::kMerged) continue;
+      team[to]->slam().offer_alignment(slot_of_peer(to, from), a.T_own_peer.inverse());
+    }
+  }
+}
+
 Status check_team(std::span<const std::unique_ptr<Source>> sources) {
   if (sources.empty()) return Error{"a run needs at least one robot"};
   if (sources.size() > std::size_t{kMaxPeers} + 1) {
@@ -59,7 +70,10 @@ Result<TeamLog> run_team(std::span<const std::unique_ptr<Source>> sources,
   int done = 0;
   for (int i = next_to_step(team); i >= 0; i = next_to_step(team)) {
     team[i]->step();
-    if (options.share_maps) share_records(team, i);
+    if (options.share_maps) {
+      share_records(team, i);
+      offer_alignments(team, i);
+    }
     if (const auto more = team[i]->advance(); !more.ok()) return more.error();
     if (progress) progress(++done, total);
   }
