@@ -90,7 +90,7 @@ TEST(Figures, DuplicatesAreNearPairsOfTwoOwners) {
   TeamLog team = synthetic_team();
   add_alignment(team.robots[0], 1, AlignmentState::kMerged, synthetic_transform(0), 300, 600);
   const auto add = [&](double x, int source) {
-    Slam::FusedLandmark mark;
+    FusedLandmark mark;
     mark.landmark.position_m = {x, 0.0, 2.5};
     mark.landmark.covariance_m2.setIdentity();
     mark.source = source;
