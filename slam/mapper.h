@@ -2,15 +2,16 @@
 // One robot's own SLAM: particles and map from wheels and features (paper II). Knows no peers.
 
 #include <cstdint>
+#include <numbers>
 #include <span>
 
 #include "platform/base/arena.h"
 #include "platform/base/random.h"
 #include "slam/features.h"
+#include "slam/filter/calibration.h"
 #include "slam/filter/motion.h"
 #include "slam/filter/particles.h"
 #include "slam/filter/proposal.h"
-#include "slam/filter/calibration.h"
 #include "slam/map/association.h"
 #include "slam/map/map.h"
 #include "slam/parameters.h"
@@ -35,6 +36,10 @@ using Candidates = FixedVector<Candidate, kMaxCandidates>;
 
 class Mapper {
  public:
+  Mapper() = default;
+  Mapper(const Mapper&) = delete;
+  Mapper& operator=(const Mapper&) = delete;
+
   void layout(Arena& arena, const Parameters& parameters);
   void build(const RobotConfig& robot, const Parameters& parameters, std::uint64_t seed);
 
@@ -45,10 +50,41 @@ class Mapper {
   // Corrects the features for the calibration learned so far.
   void update(const WheelTravel& travel, Features& features, const FeatureExtractor& view);
 
+  // The phases of update() in their order, for a filter over several robots (joint.h).
+  // By odometry; corrects the features.
+  void move(const WheelTravel& travel, Features& features);
+  // Tentative landmarks that are out of sight for long.
+  void forget_unseen();
+  // Matches the features, draws the poses, adds to the log weights.
+  void sense(const Features& features, const FeatureExtractor& view);
+  // Normalises the weights; the mean pose.
+  void estimate();
+  // After the update of a matched landmark's rows.
+  void note(const Candidate& c, const Feature& f);
+  // Promotion and pruning of this frame's candidates.
+  void keep();
+  // New landmarks, when the robot has gone on far enough since the last ones.
+  bool start_due() const;
+  void start_landmarks(const Features& features);
+  // Poses, weights, map. The parents are valid until the next call.
+  bool resampling_due() const;
+  std::span<const std::uint16_t> resample();
+  // The poses alone, after the resampling of a mapper that this one has joined.
+  void follow(std::span<const std::uint16_t> parents);
+
+  // Particle i becomes one with the host's particle i, at T_host_own[i] times its pose: one weight,
+  // one ancestry and one map for both from now on, the host's. Calibrations stay as learned.
+  void join(Mapper& host, std::span<const Pose2> T_host_own);
+  void freeze_calibration();
+  // The part of this robot's way that ages the map: 1 / robots that share it.
+  void set_way_share(double share) { way_share_ = share; }
+  Random& random() { return random_; }
+  float noise() const { return noise_; }
+
   const Particles& particles() const { return particles_; }
   const PoseEstimate& pose() const { return pose_; }
-  const Map& map() const { return map_; }
-  Map& map() { return map_; }
+  const Map& map() const { return *map_; }
+  Map& map() { return *map_; }
   // This frame's predicted landmarks with their matches.
   std::span<const Candidate> candidates() const { return candidates_[0].span(); }
   double travelled_m() const { return travelled_m_; }
@@ -60,6 +96,8 @@ class Mapper {
   const RobotConfig& robot() const { return robot_; }
 
  private:
+  static constexpr double kDegree = std::numbers::pi / 180.0;
+
   void predict_candidates(const FeatureExtractor& view);
   bool predict_candidate(int slot, const FeatureExtractor& view, Candidate& out);
   void associate(const Features& features);
@@ -70,13 +108,8 @@ class Mapper {
   void learn_calibration(const Features& features);
   void move_by_calibration(const Eigen::Vector3d& step);
   void weigh_and_move(const Features& features);
-  void update_landmarks(const Features& features);
-  void note_observation(const Candidate& c, const Feature& f);
-  void keep(const Candidates& candidates);
-  void start_landmarks(const Features& features);
   bool near_candidate(const Feature& f) const;
   void evict_one();
-  void resample_if_needed();
   Eigen::Matrix3d spread_in_body() const;
 
   RobotConfig robot_;
@@ -87,7 +120,8 @@ class Mapper {
   float noise_ = 0.0F;  // variance of an observation, tangents squared
   Particles particles_;
   PoseEstimate pose_;
-  Map map_;
+  Map own_map_;
+  Map* map_ = &own_map_;  // or the map of the mapper that this one has joined
   Associator associator_;
   MotionIncrement motion_;
   ProposalRows proposal_;
@@ -102,6 +136,7 @@ class Mapper {
   bool loop_closing_ = false;
   bool first_ = true;
   double travelled_m_ = 0.0;
+  double way_share_ = 1.0;
   double anchor_travel_m_ = 0.0;
   double anchor_heading_rad_ = 0.0;
   double effective_ = 0.0;

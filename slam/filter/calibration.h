@@ -50,6 +50,8 @@ class CalibrationEstimator {
   // How wrong the calibration may be; a tilt of 0 switches the estimation off.
   void reset(double tilt_sigma_rad, double focal_sigma);
   bool enabled() const { return enabled_; }
+  // Learns no more; beta() stays.
+  void freeze() { enabled_ = false; }
 
   void begin_frame(const Eigen::Matrix3d& motion_information);
   // One inlier: residual, its sensitivity to pose (body axes) and to beta, and its weight S^-1.

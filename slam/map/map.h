@@ -41,6 +41,10 @@ class Map {
   const PoseSensitivity& anchor_by_calibration(int slot) const {
     return anchor_calibrations_[static_cast<std::size_t>(info(slot).anchor)].A;
   }
+  // The way driven while the map was made: by it landmarks age.
+  double way_m() const { return way_m_; }
+  void add_way(double way_m) { way_m_ += way_m; }
+
   // Recomputes the cached place from the rows.
   void refresh_place(int slot, const double* weight, double camera_z_m);
 
@@ -72,6 +76,7 @@ class Map {
   int free_appearance_ = -1;
   int sweep_landmark_ = 0;
   int sweep_anchor_ = 0;
+  double way_m_ = 0.0;
 
   Ancestry ancestry_;
   LandmarkRowStore rows_;

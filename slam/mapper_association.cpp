@@ -1,0 +1,201 @@
+// From the odometry's pose to matched corners: which landmarks can be in view, which corner is
+// which landmark, whether a wheel slipped or a loop closes.
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+
+#include "slam/mapper.h"
+
+namespace zenith {
+namespace {
+
+constexpr int kWellInside_px = 24;
+constexpr double kSettledRadius_px = 2.5;
+constexpr int kEnoughToSteer = 15;
+// A wheel that slips between two frames: forward, left, turn.
+const Eigen::Vector3d kSlip(0.02, 0.01, 2.0 * std::numbers::pi / 180.0);
+constexpr double kSlipDistance2 = 20.0;  // chi squared, 3 degrees of freedom: 1 in 6000
+
+}  // namespace
+
+Eigen::Matrix3d Mapper::spread_in_body() const {
+  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
+  R.topLeftCorner<2, 2>() = rotation(-pose_.mean.theta_rad);
+  return R * pose_.covariance * R.transpose();
+}
+
+// Landmarks that may be in the image, by their last known place; then exactly, by their rows.
+void Mapper::predict_candidates(const FeatureExtractor& view) {
+  Candidates& candidates = candidates_[0];
+  candidates.clear();
+  const Pose2& pose = pose_.mean;
+  const Eigen::Vector2d camera = pose * lever_m();
+  const double reach = std::tan(0.5 * p_.rectified_fov_deg * kDegree) * std::numbers::sqrt2 + 0.3;
+  const auto landmarks = map_->landmarks();
+  for (std::size_t slot = 0; slot < landmarks.size(); ++slot) {
+    const LandmarkInfo& l = landmarks[slot];
+    if (l.state == LandmarkState::kFree) continue;
+    const double dx = static_cast<double>(l.x_m) - camera.x();
+    const double dy = static_cast<double>(l.y_m) - camera.y();
+    const double r = reach / static_cast<double>(std::max(l.rho, 0.1F)) + 0.5;
+    if (dx * dx + dy * dy > r * r) continue;
+    Candidate c;
+    if (!predict_candidate(static_cast<int>(slot), view, c)) continue;
+    if (!candidates.push_back(c)) ++counters_.candidates_rejected_full;
+  }
+  // At the start, and in a place quite new, tentative landmarks must steer: across their parallax
+  // they are as good as any.
+  const auto known = std::count_if(candidates.begin(), candidates.end(),
+                                   [](const Candidate& c) { return c.promoted && !c.old; });
+  if (known >= kEnoughToSteer) return;
+  for (Candidate& c : candidates) c.promoted = true;
+}
+
+bool Mapper::predict_candidate(int slot, const FeatureExtractor& view, Candidate& c) {
+  const LandmarkInfo& info = map_->info(slot);
+  const LandmarkRows rows = map_->rows(slot);
+  predict_landmark(rows, particles_.camera, particles_.count, prediction_);
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
+  Eigen::Matrix2d own = Eigen::Matrix2d::Zero();
+  double rho = 0.0;
+  for (int i = 0; i < particles_.count; ++i) {
+    const double w = particles_.weight[static_cast<std::size_t>(i)];
+    const Eigen::Vector2d m(prediction_.mx[i], prediction_.my[i]);
+    mean += w * m;
+    spread += w * m * m.transpose();
+    own(0, 0) += w * static_cast<double>(prediction_.sxx[i]);
+    own(0, 1) += w * static_cast<double>(prediction_.sxy[i]);
+    own(1, 1) += w * static_cast<double>(prediction_.syy[i]);
+    rho += w * static_cast<double>(rows.rho[i]);
+  }
+  own(1, 0) = own(0, 1);
+  c.slot = slot;
+  c.m = mean;
+  c.own = own + static_cast<double>(noise_) * Eigen::Matrix2d::Identity();
+  c.promoted = info.state == LandmarkState::kPromoted;
+  const double unseen_m = map_->way_m() - info.last_seen_way_m;
+  c.old = unseen_m > p_.loop_travel_m;
+  const Eigen::Vector2d l = lever_m();
+  c.G << -rho, 0.0, mean.y() + rho * l.y(), 0.0, -rho, -(mean.x() + rho * l.x());
+  c.common = spread - mean * mean.transpose() + c.G * motion_.covariance * c.G.transpose();
+  if (c.old) {
+    const double drift = p_.loop_drift * unseen_m * rho;
+    c.common += drift * drift * Eigen::Matrix2d::Identity();
+  }
+  c.well_inside = view.sees(mean, kWellInside_px);
+  return view.sees(mean, 8);
+}
+
+// Recent promoted landmarks fix the pose; then, with the pose known, everything else is matched:
+// changed looks, tentative landmarks, and old landmarks in case a loop closes.
+void Mapper::associate(const Features& features) {
+  const auto candidates = candidates_[0].span();
+  const auto feats = features.span();
+  const double heading = pose_.mean.theta_rad;
+  corner_used_.fill(false);
+  loop_closing_ = false;
+  correction_ = PoseCorrection{};
+  // Much larger than the model says: the matches decide, also when a wheel slips; the prior only
+  // keeps directions that no match fixes.
+  Eigen::Matrix3d prior = 4.0 * motion_.covariance;
+  prior.diagonal() += kSlip.cwiseAbs2();
+  using enum CandidateKind;
+  associator_.match(candidates, kPromotedRecent, correction_, 4.0, feats, *map_, heading,
+                    association_, corner_used_);
+  correction_ = agree_on_pose(candidates, kPromotedRecent, feats, prior, Eigen::Vector3d::Zero(),
+                              p_.gate_sigma);
+  if (correction_.inliers >= 8) {
+    corner_used_.fill(false);
+    AssociationSettings settled = association_;
+    settled.ncc_min = static_cast<float>(p_.ncc_match_settled);
+    settled.max_radius = kSettledRadius_px * pixel_;
+    associator_.match(candidates, kPromotedRecent, correction_, 0.0, feats, *map_, heading, settled,
+                      corner_used_);
+    correction_ =
+        agree_on_pose(candidates, kPromotedRecent, feats, prior, correction_.xi, p_.gate_sigma);
+  }
+  if (correction_.inliers >= 8) believe_slip();
+  // Corners whose match disagrees are free for others.
+  for (const Candidate& c : candidates) {
+    if (c.corner >= 0 && !c.inlier) corner_used_[static_cast<std::size_t>(c.corner)] = false;
+  }
+  loop_closing_ = try_loop(features, prior, correction_);
+  associator_.match(candidates, kTentative, correction_, 1.0, feats, *map_, heading, association_,
+                    corner_used_);
+  for (Candidate& c : candidates) {
+    if (c.promoted || c.corner < 0) continue;
+    const Feature& f = feats[static_cast<std::size_t>(c.corner)];
+    const Eigen::Vector2d d = Eigen::Vector2d(f.zx, f.zy) - c.m - c.G * correction_.xi;
+    const Eigen::Matrix2d S = c.own + c.G * correction_.covariance * c.G.transpose();
+    c.inlier = d.dot(S.inverse() * d) < p_.gate_sigma * p_.gate_sigma;
+  }
+}
+
+// What the landmarks say of the motion, against what the wheels say: beyond doubt the wheels
+// slipped.
+void Mapper::believe_slip() {
+  const Eigen::Matrix3d S = motion_.covariance + correction_.covariance;
+  const Eigen::Vector3d& xi = correction_.xi;
+  if (xi.dot(S.ldlt().solve(xi)) < kSlipDistance2) return;
+  motion_.covariance.diagonal() += xi.cwiseAbs2();
+  ++counters_.slips;
+}
+
+// Old landmarks that agree among themselves on another pose than the recent ones: the drift since
+// they were last seen has become visible.
+bool Mapper::try_loop(const Features& features, const Eigen::Matrix3d& prior,
+                      const PoseCorrection& recent) {
+  const auto candidates = candidates_[0].span();
+  const auto feats = features.span();
+  double unseen_m = 0.0;
+  int count = 0;
+  for (const Candidate& c : candidates) {
+    if (!is_kind(c, CandidateKind::kPromotedOld)) continue;
+    unseen_m = std::max(unseen_m, map_->way_m() - map_->info(c.slot).last_seen_way_m);
+    ++count;
+  }
+  if (count < p_.loop_min_inliers) return false;
+  const double position = p_.loop_drift * unseen_m;
+  const double heading = p_.loop_drift_deg_per_m * kDegree * unseen_m;
+  Eigen::Matrix3d drift = prior + spread_in_body();
+  drift.diagonal() += Eigen::Vector3d(position * position, position * position, heading * heading);
+  PoseCorrection around = recent;
+  associator_.match(candidates, CandidateKind::kPromotedOld, around, 1.0, feats, *map_,
+                    pose_.mean.theta_rad, association_, corner_used_);
+  const PoseCorrection found =
+      find_pose(candidates, CandidateKind::kPromotedOld, feats, drift, p_.gate_sigma);
+  if (found.inliers < p_.loop_min_inliers) {
+    for (Candidate& c : candidates) {
+      if (is_kind(c, CandidateKind::kPromotedOld)) c.inlier = false;
+    }
+    return false;
+  }
+  const Eigen::Vector3d jump = found.xi - recent.xi;
+  const Eigen::Matrix3d C = found.covariance + recent.covariance;
+  const double d2 = jump.dot(C.ldlt().solve(jump));
+  motion_.covariance +=
+      Eigen::Vector3d(jump.x() * jump.x(), jump.y() * jump.y(), jump.z() * jump.z()).asDiagonal();
+  ++counters_.loops_closed;
+  correction_ = found;
+  if (d2 > 16.0) follow_old_map();
+  return true;
+}
+
+// The old map is right and what was mapped since the last frames is bent: recent landmarks do not
+// steer in this frame, and those that contradict the old map do not count as seen.
+void Mapper::follow_old_map() {
+  for (Candidate& c : candidates_[0]) {
+    if (is_kind(c, CandidateKind::kPromotedRecent) && c.corner >= 0) {
+      corner_used_[static_cast<std::size_t>(c.corner)] = false;
+      c.corner = -1;
+      c.inlier = false;
+    }
+  }
+}
+
+}  // namespace zenith

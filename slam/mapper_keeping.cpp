@@ -1,0 +1,146 @@
+// The keeping of the map: what an observation leaves behind, promotion, pruning, new landmarks,
+// eviction.
+
+#include <algorithm>
+#include <cmath>
+
+#include "slam/mapper.h"
+
+namespace zenith {
+namespace {
+
+constexpr double kNewLandmarkDistance_px = 5.0;
+constexpr int kEstablishedObservations = 10;
+constexpr double kTentativeWay_m = 1.0;  // a tentative landmark unseen for this long is forgotten
+
+}  // namespace
+
+void Mapper::forget_unseen() {
+  const auto landmarks = map_->landmarks();
+  for (std::size_t slot = 0; slot < landmarks.size(); ++slot) {
+    const LandmarkInfo& l = landmarks[slot];
+    if (l.state != LandmarkState::kTentative) continue;
+    if (map_->way_m() - l.last_seen_way_m <= kTentativeWay_m) continue;
+    map_->remove(static_cast<int>(slot));
+    ++counters_.landmarks_pruned;
+  }
+}
+
+void Mapper::note(const Candidate& c, const Feature& f) {
+  map_->refresh_place(c.slot, particles_.weight.data(), robot_.mount.z_m);
+  LandmarkInfo& l = map_->info(c.slot);
+  ++l.observations;
+  l.misses_in_row = 0;
+  l.last_seen_way_m = map_->way_m();
+  l.changed = true;
+  const auto direction =
+      static_cast<float>(wrap_angle(pose_.mean.theta_rad + static_cast<double>(f.orientation_rad)));
+  const float best = map_->best_ncc(c.slot, f.patch, direction, 4.0F);
+  if (best < static_cast<float>(p_.ncc_new_appearance) &&
+      !map_->add_appearance(c.slot, f.patch, f.compact, direction)) {
+    ++counters_.appearances_rejected_full;
+  }
+}
+
+// Promotion and pruning.
+void Mapper::keep() {
+  for (const Candidate& c : candidates_[0]) {
+    LandmarkInfo& l = map_->info(c.slot);
+    if (l.state == LandmarkState::kFree) continue;
+    if (c.well_inside || c.inlier) ++l.chances;
+    if (!c.inlier && (c.well_inside || l.state == LandmarkState::kTentative)) ++l.misses_in_row;
+    if (l.state == LandmarkState::kTentative) {
+      const double z = static_cast<double>(l.z_m);
+      const bool known =
+          static_cast<double>(l.rho_sigma) < p_.promote_height_sigma * static_cast<double>(l.rho);
+      const bool possible = z >= p_.min_height_m && z <= p_.max_height_m && l.rho > 0.0F;
+      if (l.observations >= p_.promote_observations && known && possible) {
+        l.state = LandmarkState::kPromoted;
+        ++counters_.landmarks_promoted;
+      } else if (l.misses_in_row >= 4 || (l.observations >= 40 && known && !possible)) {
+        map_->remove(c.slot);
+        ++counters_.landmarks_pruned;
+      }
+    } else if (l.observations < kEstablishedObservations && l.misses_in_row > 30) {
+      map_->remove(c.slot);
+      ++counters_.landmarks_pruned;
+    }
+  }
+}
+
+bool Mapper::near_candidate(const Feature& f) const {
+  const double r = kNewLandmarkDistance_px * pixel_;
+  for (const Candidate& c : candidates_[0]) {
+    if (map_->info(c.slot).state == LandmarkState::kFree) continue;
+    const Eigen::Vector2d d = Eigen::Vector2d(f.zx, f.zy) - c.m - c.G * correction_.xi;
+    if (d.squaredNorm() < r * r) return true;
+  }
+  return false;
+}
+
+bool Mapper::start_due() const {
+  const double turned = std::abs(wrap_angle(pose_.mean.theta_rad - anchor_heading_rad_));
+  return first_ || travelled_m_ - anchor_travel_m_ >= p_.anchor_distance_m ||
+         turned >= 5.0 * kDegree;
+}
+
+void Mapper::start_landmarks(const Features& features) {
+  first_ = false;
+  const int anchor = map_->create_anchor(particles_.camera, pose_by_calibration_);
+  if (anchor < 0) {
+    ++counters_.landmarks_rejected_full;
+    return;
+  }
+  anchor_travel_m_ = travelled_m_;
+  anchor_heading_rad_ = pose_.mean.theta_rad;
+  const double lo = 1.0 / (p_.max_height_m - robot_.mount.z_m);
+  const double hi = 1.0 / std::max(p_.min_height_m - robot_.mount.z_m, 0.3);
+  const auto rho_mean = static_cast<float>(std::sqrt(lo * hi));
+  const auto rho_sigma = static_cast<float>(0.25 * (hi - lo));
+  for (std::size_t k = 0; k < features.size(); ++k) {
+    const Feature& f = features[k];
+    if (corner_used_[k] || !f.described || near_candidate(f)) continue;
+    if (map_->size() == kMaxLandmarks) evict_one();
+    const int slot = map_->create(anchor);
+    if (slot < 0) {
+      ++counters_.landmarks_rejected_full;
+      continue;
+    }
+    start_landmark(map_->rows(slot), particles_.count, f.zx, f.zy, noise_, rho_mean, rho_sigma);
+    map_->refresh_place(slot, particles_.weight.data(), robot_.mount.z_m);
+    LandmarkInfo& l = map_->info(slot);
+    l.observations = 1;
+    l.chances = 1;
+    l.last_seen_way_m = map_->way_m();
+    const double direction =
+        wrap_angle(pose_.mean.theta_rad + static_cast<double>(f.orientation_rad));
+    if (!map_->add_appearance(slot, f.patch, f.compact, static_cast<float>(direction))) {
+      ++counters_.appearances_rejected_full;
+    }
+    ++counters_.landmarks_created;
+  }
+  map_->release_if_unused(anchor);
+}
+
+// The least useful landmark gives way: tentative before promoted, then the least observed, then the
+// longest unseen. Never one in view.
+void Mapper::evict_one() {
+  int worst = -1;
+  double worst_value = 0.0;
+  const auto landmarks = map_->landmarks();
+  for (std::size_t i = 0; i < landmarks.size(); ++i) {
+    const LandmarkInfo& l = landmarks[i];
+    if (l.state == LandmarkState::kFree || l.last_seen_way_m > map_->way_m() - 1.0) continue;
+    const double value = (l.state == LandmarkState::kPromoted ? 1e6 : 0.0) +
+                         100.0 * std::min(l.observations, 50) + l.last_seen_way_m * 1e-3;
+    if (worst < 0 || value < worst_value) {
+      worst = static_cast<int>(i);
+      worst_value = value;
+    }
+  }
+  if (worst < 0) return;
+  map_->remove(worst);
+  ++counters_.landmarks_evicted;
+}
+
+}  // namespace zenith
