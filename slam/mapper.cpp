@@ -31,7 +31,8 @@ void Mapper::build(const RobotConfig& robot, const Parameters& parameters, std::
   p_ = parameters;
   random_ = Random(seed, 1);
   const double f = Pinhole::from_fov(p_.rectified_fov_deg * kDegree).focal_px;
-  noise_ = static_cast<float>(p_.pixel_sigma_px * p_.pixel_sigma_px / (f * f));
+  noise_ = static_cast<float>(p_.pixel_sigma_px * p_.pixel_sigma_px /
+                              (robot.lens.fu_px * robot.lens.fv_px));
   association_.gate_sigma = p_.gate_sigma;
   association_.ncc_min = static_cast<float>(p_.ncc_match);
   pixel_ = 1.0 / f;
@@ -59,7 +60,7 @@ void Mapper::update(const WheelTravel& travel, Features& features, const Feature
   for (const Candidate& c : candidates_[0]) {
     if (!c.inlier) continue;
     const Feature& f = features[static_cast<std::size_t>(c.corner)];
-    update_landmark(map_->rows(c.slot), particles_.camera, particles_.count, f.zx, f.zy, noise_);
+    update_landmark(map_->rows(c.slot), particles_.camera, particles_.count, f.zx, f.zy, f.noise);
     note(c, f);
   }
   keep();
@@ -85,6 +86,7 @@ void Mapper::move(const WheelTravel& travel, Features& features) {
     const Eigen::Vector2d shift = calibration_effect({f.zx, f.zy}) * calibration_.beta();
     f.zx += static_cast<float>(shift.x());
     f.zy += static_cast<float>(shift.y());
+    f.noise = observation_noise(f.zx * f.zx + f.zy * f.zy);
   }
   place_cameras(particles_, lever_m());
 }
@@ -121,7 +123,7 @@ void Mapper::learn_calibration(const Features& features) {
       const Feature& f = features[static_cast<std::size_t>(c.corner)];
       const Eigen::Vector2d z(f.zx, f.zy);
       const ObservationModel model = linearise(map_->rows(c.slot), particles_.camera, best,
-                                               lever_m(), static_cast<double>(noise_));
+                                               lever_m(), static_cast<double>(f.noise));
       visit(c, z, model,
             residual_sensitivity(model, z, map_->by_calibration(c.slot), pose_by_calibration_,
                                  map_->anchor_by_calibration(c.slot)));
@@ -163,10 +165,10 @@ void Mapper::weigh_and_move(const Features& features) {
     const Feature& f = features[static_cast<std::size_t>(c.corner)];
     const LandmarkRows rows = map_->rows(c.slot);
     if (optimal) {
-      add_to_proposal(rows, particles_.camera, particles_.count, lever, f.zx, f.zy, noise_,
+      add_to_proposal(rows, particles_.camera, particles_.count, lever, f.zx, f.zy, f.noise,
                       proposal_);
     } else {
-      add_log_likelihood(rows, particles_.camera, particles_.count, f.zx, f.zy, noise_,
+      add_log_likelihood(rows, particles_.camera, particles_.count, f.zx, f.zy, f.noise,
                          static_cast<float>(p_.likelihood_cap), particles_.log_weight.data());
     }
   }

@@ -1,6 +1,7 @@
 #pragma once
 // One robot's own SLAM: particles and map from wheels and features (paper II). Knows no peers.
 
+#include <cmath>
 #include <cstdint>
 #include <numbers>
 #include <span>
@@ -96,6 +97,10 @@ class Mapper {
   const RobotConfig& robot() const { return robot_; }
 
  private:
+  // A corner is found to so many pixels of the fisheye frame; rectified, a pixel grows by 1 + r^2 along
+  // the radius and by about its root across it. One variance for both axes: the geometric mean.
+  float observation_noise(float r2) const { return noise_ * (1.0F + r2) * std::sqrt(1.0F + r2); }
+
   static constexpr double kDegree = std::numbers::pi / 180.0;
 
   void predict_candidates(const FeatureExtractor& view);
@@ -117,7 +122,7 @@ class Mapper {
   AssociationSettings association_;
   Random random_{0};
   double pixel_ = 0.0;  // of the level image, in tangents
-  float noise_ = 0.0F;  // variance of an observation, tangents squared
+  float noise_ = 0.0F;    // variance of an observation at the image's centre, tangents squared
   Particles particles_;
   PoseEstimate pose_;
   Map own_map_;

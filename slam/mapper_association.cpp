@@ -76,7 +76,8 @@ bool Mapper::predict_candidate(int slot, const FeatureExtractor& view, Candidate
   own(1, 0) = own(0, 1);
   c.slot = slot;
   c.m = mean;
-  c.own = own + static_cast<double>(noise_) * Eigen::Matrix2d::Identity();
+  const float noise = observation_noise(static_cast<float>(mean.squaredNorm()));
+  c.own = own + static_cast<double>(noise) * Eigen::Matrix2d::Identity();
   c.promoted = info.state == LandmarkState::kPromoted;
   const double unseen_m = map_->way_m() - info.last_seen_way_m;
   c.old = unseen_m > p_.loop_travel_m;

@@ -106,7 +106,7 @@ void Mapper::start_landmarks(const Features& features) {
       ++counters_.landmarks_rejected_full;
       continue;
     }
-    start_landmark(map_->rows(slot), particles_.count, f.zx, f.zy, noise_, rho_mean, rho_sigma);
+    start_landmark(map_->rows(slot), particles_.count, f.zx, f.zy, f.noise, rho_mean, rho_sigma);
     map_->refresh_place(slot, particles_.weight.data(), robot_.mount.z_m);
     LandmarkInfo& l = map_->info(slot);
     l.observations = 1;

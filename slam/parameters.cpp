@@ -32,7 +32,7 @@ constexpr auto kTable = std::to_array<ParameterInfo>({
     {"optimal_proposal", "", 0, 1,
      "1: draw poses from odometry and landmarks (FastSLAM 2.0); 0: from odometry alone, the paper's",
      &P::optimal_proposal},
-    {"pixel_sigma_px", "px", 0.05, 10, "standard deviation of a corner's position",
+    {"pixel_sigma_px", "px", 0.05, 10, "standard deviation of a corner's position, in pixels of the fisheye frame",
      &P::pixel_sigma_px},
     {"gate_sigma", "", 1, 10, "matches further than this from their prediction are refused",
      &P::gate_sigma},

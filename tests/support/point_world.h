@@ -64,7 +64,8 @@ struct PointWorld {
     return world;
   }
 
-  // What the camera of a robot at `T_world_robot` sees, with `sigma_px` of noise.
+  // What the camera of a robot at `T_world_robot` sees, with `sigma_px` of noise in pixels of
+  // the fisheye frame.
   void observe(const Pose2& T_world_robot, const RobotConfig& robot, const Pinhole& pinhole,
                double sigma_px, Random& random, Features& out) const {
     out.clear();
@@ -73,9 +74,11 @@ struct PointWorld {
     for (const PointLandmark& l : landmarks) {
       const Eigen::Vector2d d = rotation(-T_world_robot.theta_rad) * (l.p_m.head<2>() - camera) /
                                 (l.p_m.z() - robot.mount.z_m);
-      Eigen::Vector2d px = pinhole.pixel(d);
-      px.x() += sigma_px * random.normal();
-      px.y() += sigma_px * random.normal();
+      // Noise of the fisheye frame, as it looks after rectification (see Mapper).
+      const double sigma = sigma_px / robot.lens.fu_px * std::pow(1.0 + d.squaredNorm(), 0.75);
+      const double nx = sigma * random.normal();
+      const double ny = sigma * random.normal();
+      const Eigen::Vector2d px = pinhole.pixel(d + Eigen::Vector2d(nx, ny));
       constexpr double kBorder = 13.0;
       if (px.minCoeff() < kBorder || px.maxCoeff() > kRectifiedSize - 1 - kBorder) continue;
       const Eigen::Vector2d m = pinhole.normalise(px.x(), px.y());
