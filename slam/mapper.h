@@ -64,6 +64,7 @@ class Mapper {
   void note(const Candidate& c, const Feature& f);
   // Promotion and pruning of this frame's candidates.
   void keep();
+  void refresh_in_turn();
   // New landmarks, when the robot has gone on far enough since the last ones.
   bool start_due() const;
   void start_landmarks(const Features& features);
@@ -142,6 +143,7 @@ class Mapper {
   bool first_ = true;
   double travelled_m_ = 0.0;
   double way_share_ = 1.0;
+  int refresh_next_ = 0;
   double anchor_travel_m_ = 0.0;
   double anchor_heading_rad_ = 0.0;
   double effective_ = 0.0;

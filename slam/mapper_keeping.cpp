@@ -10,6 +10,7 @@ namespace zenith {
 namespace {
 
 constexpr double kNewLandmarkDistance_px = 5.0;
+constexpr int kRefreshPerFrame = 8;
 constexpr int kEstablishedObservations = 10;
 constexpr double kTentativeWay_m = 1.0;  // a tentative landmark unseen for this long is forgotten
 
@@ -43,7 +44,21 @@ void Mapper::note(const Candidate& c, const Feature& f) {
 }
 
 // Promotion and pruning.
+// Places of landmarks out of sight move too, when the particles' weights, their ancestry or the
+// calibration change: a few are read again in each frame, so that peers and readers hear of it.
+void Mapper::refresh_in_turn() {
+  const auto count = static_cast<int>(map_->landmarks().size());
+  for (int k = 0; k < std::min(kRefreshPerFrame, count); ++k) {
+    refresh_next_ = (refresh_next_ + 1) % count;
+    LandmarkInfo& l = map_->info(refresh_next_);
+    if (l.state != LandmarkState::kPromoted) continue;
+    map_->refresh_place(refresh_next_, particles_.weight.data(), robot_.mount.z_m);
+    l.changed = true;
+  }
+}
+
 void Mapper::keep() {
+  refresh_in_turn();
   for (const Candidate& c : candidates_[0]) {
     LandmarkInfo& l = map_->info(c.slot);
     if (l.state == LandmarkState::kFree) continue;

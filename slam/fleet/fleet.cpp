@@ -9,7 +9,7 @@ namespace zenith {
 namespace {
 
 // Peer's landmarks looked at in one frame by the search for duplicates: bounded work each frame.
-constexpr int kSweepPerFrame = 48;
+constexpr int kSweepPerFrame = 96;
 constexpr float kDuplicateNcc = 0.6F;
 
 // Which hypothesis to give up when there is no room: first those that no longer say anything about
@@ -77,7 +77,12 @@ void Fleet::offer_alignment(int peer_slot, const Pose2& T_own_peer) {
   h.used = true;
   h.T_own_peer = T_own_peer;
   h.covariance = Eigen::Vector3d(0.0025, 0.0025, 0.0004).asDiagonal();
-  peer.offered = static_cast<int>(&h - peer.hypotheses.data());
+  put_to_test(peer, static_cast<int>(&h - peer.hypotheses.data()));
+}
+
+// The last word has the comparison of the whole maps: see judge_offer().
+void Fleet::put_to_test(Peer& peer, int hypothesis) {
+  peer.offered = hypothesis;
   peer.sweep = 0;
   peer.swept = {};
 }
@@ -137,12 +142,12 @@ void Fleet::judge_offer(Peer& peer) {
   const auto index = static_cast<std::size_t>(peer.offered);
   Hypothesis& h = peer.hypotheses[index];
   const bool right = peer.swept.hits >= decision_.min_pairs &&
-                     peer.swept.hits > decision_.adopt_hit_share * peer.swept.expected &&
+                     peer.swept.hits > decision_.map_hit_share * peer.swept.expected &&
                      !own_map_repeats(h);
   peer.offered = -1;
   peer.swept = {};
   if (!right) {
-    h.used = false;
+    h.used = h.score() > 0.0;  // its own frames may still speak for it, and later the maps
     return;
   }
   peer.leader = static_cast<int>(index);
@@ -207,7 +212,7 @@ void Fleet::decide(Peer& peer, const Pose2& T_own_robot) {
   int best = -1;
   for (int i = 0; i < kMaxHypotheses; ++i) {
     const Hypothesis& h = peer.hypotheses[static_cast<std::size_t>(i)];
-    if (!h.used || i == peer.offered) continue;
+    if (!h.used) continue;
     if (best < 0 || h.score() > peer.hypotheses[static_cast<std::size_t>(best)].score()) best = i;
   }
   if (!peer.merged) peer.leader = best;
@@ -216,18 +221,18 @@ void Fleet::decide(Peer& peer, const Pose2& T_own_robot) {
   const Hypothesis* rival = nullptr;
   for (int i = 0; i < kMaxHypotheses; ++i) {
     const Hypothesis& h = peer.hypotheses[static_cast<std::size_t>(i)];
-    if (i == peer.leader || i == peer.offered || !h.used) continue;
+    if (i == peer.leader || !h.used) continue;
     if (same_alignment(h.T_own_peer, leader.T_own_peer, T_own_robot.position())) continue;
     if (rival == nullptr || h.score() > rival->score()) rival = &h;
   }
   const double rival_score = rival == nullptr ? 0.0 : std::max(rival->score(), 0.0);
   const DecisionSettings& d = decision_;
   if (!peer.merged) {
-    peer.merged = leader.confidence.value() > d.confidence && leader.score() > d.score &&
-                  leader.searches >= d.min_searches &&
-                  static_cast<int>(leader.pairs.size()) >= d.min_pairs &&
-                  rival_score < d.rival_share * leader.score() && !own_map_repeats(leader);
-    if (peer.merged) peer.offered = -1;
+    const bool ready = leader.confidence.value() > d.confidence && leader.score() > d.score &&
+                       leader.searches >= d.min_searches &&
+                       static_cast<int>(leader.pairs.size()) >= d.min_pairs &&
+                       rival_score < d.rival_share * leader.score() && !own_map_repeats(leader);
+    if (ready && peer.offered < 0) put_to_test(peer, peer.leader);
     return;
   }
   const bool refuted = leader.expected() >= d.withdraw_expected &&

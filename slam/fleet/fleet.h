@@ -31,8 +31,8 @@ struct DecisionSettings {
   // cannot tell where along the repetition the robot is.
   double alike_hit_share = 0.72;
   double alike_expected_share = 0.4;  // of what the leader expects
-  // An alignment that the peer has merged with, tested map against map.
-  double adopt_hit_share = 0.7;
+  // Map against map: of the peer's landmarks that have any own one near, so many must be found.
+  double map_hit_share = 0.6;
 };
 
 class Peer {
@@ -52,7 +52,7 @@ class Peer {
   // The search for duplicates walks through the peer's landmarks.
   int sweep = 0;
   Support swept;                      // of this walk
-  int offered = -1;                   // hypothesis that the peer says is right, under test
+  int offered = -1;                   // hypothesis under test: the leader, or what the peer says
 };
 
 class Fleet {
@@ -80,6 +80,7 @@ class Fleet {
   void schedule(double travelled_m);
   void compare_maps(const Map& map);
   bool own_map_repeats(const Hypothesis& leader) const;
+  void put_to_test(Peer& peer, int hypothesis);
   void judge_offer(Peer& peer);
   void search(Peer& peer, const ObservedFrame& frame, const Map& map, const Pose2& T_own_robot);
   void propose(Peer& peer, const ObservedFrame& frame, const Pose2& T_own_robot);

@@ -26,6 +26,26 @@ double looks_like(const PeerLandmark& l, const Observed& own, double heading_rad
   return best;
 }
 
+// The peer's landmarks that a frame may show. More than fit: the rest is not looked at.
+using NearSlots = FixedVector<std::int32_t, 1024>;
+
+NearSlots landmarks_near(const PeerMap& peer, const Eigen::Vector2d& place, double reach_m) {
+  NearSlots near;
+  const auto landmarks = peer.landmarks();
+  for (std::size_t slot = 0; slot < landmarks.size(); ++slot) {
+    const PeerLandmark& l = landmarks[slot];
+    if (!l.present || (l.xy() - place).squaredNorm() > reach_m * reach_m) continue;
+    if (!near.push_back(static_cast<std::int32_t>(slot))) break;
+  }
+  return near;
+}
+
+double farthest(const ObservedFrame& frame) {
+  double square = 0.0;
+  for (const Observed& own : frame) square = std::max(square, own.from_robot_m.squaredNorm());
+  return std::sqrt(square);
+}
+
 }  // namespace
 
 int Hypothesis::hits() const {
@@ -76,6 +96,7 @@ FrameTest test_hypothesis(Hypothesis& h, const ObservedFrame& frame, const PeerM
   const Pose2 T_peer_own = h.T_own_peer.inverse();
   const Pose2 T_peer_robot = T_peer_own * T_own_robot;
   FixedVector<PointPair, kMaxCorners> points;
+  const NearSlots near = landmarks_near(peer, T_peer_robot.position(), farthest(frame) + 1.0);
   for (const Observed& own : frame) {
     const Eigen::Vector2d at = T_peer_robot * own.from_robot_m;
     // The alignment is uncertain away from where its pairs lie.
@@ -85,18 +106,17 @@ FrameTest test_hypothesis(Hypothesis& h, const ObservedFrame& frame, const PeerM
     int best_slot = -1;
     double best = static_cast<double>(s.ncc_min);
     bool any = false;
-    const auto landmarks = peer.landmarks();
-    for (std::size_t slot = 0; slot < landmarks.size(); ++slot) {
-      const PeerLandmark& l = landmarks[slot];
+    for (const std::int32_t slot : near) {
+      const PeerLandmark& l = peer[slot];
       const double d2 = (l.xy() - at).squaredNorm();
-      if (!l.present || d2 > 4.0 * radius * radius) continue;
+      if (d2 > 4.0 * radius * radius) continue;
       if (!heights_agree(own, l, s.height_tolerance_m)) continue;
       any = true;
       if (d2 > radius * radius) continue;
       const double look = looks_like(l, own, T_peer_robot.theta_rad, s.max_turn_rad);
       if (look <= best) continue;
       best = look;
-      best_slot = static_cast<int>(slot);
+      best_slot = slot;
     }
     out.support.expected += any ? 1 : 0;
     if (best_slot < 0) continue;
