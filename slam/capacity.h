@@ -45,7 +45,7 @@ inline constexpr int kPublishedAppearances = 8;
 
 // Alignments under test with one peer, and pairs of landmarks that hold an alignment.
 inline constexpr int kMaxHypotheses = 16;
-inline constexpr int kMaxCorrespondences = 512;
+inline constexpr int kMaxCorrespondences = 1024;
 
 static_assert(kPublishedAppearances <= kMaxAppearances);
 static_assert(kAppearancePool >= kMaxLandmarks, "every landmark has at least one look");
