@@ -122,25 +122,28 @@ void draw_curve(Canvas& canvas, const Curve& curve, double last_frame) {
 
 void draw_threshold(Canvas& canvas, double threshold) {
   const double y = at(0.0, 1.0, threshold).y();
-  const std::string label = "threshold " + fixed(threshold, 2);
   canvas.dashed({kLeft_px, y}, {kRight_px, y}, kMagenta, 1.6);
-  canvas.halo({kRight_px - 8.0, y - 9.0}, label, 13.0, Anchor::kRight);
-  canvas.text({kRight_px - 8.0, y - 9.0}, label, 13.0, kMagenta, Anchor::kRight);
 }
 
-void draw_legend(Canvas& canvas, const std::vector<Curve>& curves) {
+void draw_legend(Canvas& canvas, const std::vector<Curve>& curves, double threshold) {
   double x = kLeft_px;
   double y = 102.0;
-  for (const Curve& curve : curves) {
-    const double width = 52.0 + canvas.text_width(curve.name, 13.0) + 36.0;
+  const auto entry = [&](const std::string& name, Colour colour, bool dashed) {
+    const double width = 52.0 + canvas.text_width(name, 13.0) + 36.0;
     if (x + width > kRight_px) {
       x = kLeft_px;
       y += 22.0;
     }
-    canvas.line({x, y - 5.0}, {x + 40.0, y - 5.0}, curve.colour, 3.0);
-    canvas.text({x + 52.0, y}, curve.name, 13.0, kInk);
+    if (dashed) {
+      canvas.dashed({x, y - 5.0}, {x + 40.0, y - 5.0}, colour, 1.6);
+    } else {
+      canvas.line({x, y - 5.0}, {x + 40.0, y - 5.0}, colour, 3.0);
+    }
+    canvas.text({x + 52.0, y}, name, 13.0, kInk);
     x += width;
-  }
+  };
+  for (const Curve& curve : curves) entry(curve.name, curve.colour, false);
+  entry("threshold " + fixed(threshold, 2), kMagenta, true);
 }
 
 }  // namespace
@@ -154,7 +157,7 @@ Status draw_confidence(const std::filesystem::path& path, const TeamLog& log, do
   Canvas canvas(kWidth_px, kHeight_px);
   canvas.text({kLeft_px, 58.0}, "Confidence that two maps overlap", 24.0, kInk, Anchor::kLeft,
               true);
-  draw_legend(canvas, curves);
+  draw_legend(canvas, curves, threshold);
   draw_axes(canvas, last_frame);
   // Events stand in rows above the curves, from the lowest row upwards.
   for (const Curve& curve : curves) draw_curve(canvas, curve, last_frame);

@@ -5,6 +5,8 @@
 #include <numbers>
 #include <vector>
 
+#include <Eigen/Eigenvalues>
+
 #include "tools/report/canvas.h"
 #include "tools/report/map_layout.h"
 #include "tools/report/map_view.h"
@@ -16,15 +18,37 @@ namespace {
 constexpr double kSigmas = 2.0;
 constexpr Colour kTruth{120, 126, 132};
 
+constexpr double kVague_m = 0.15;  // ellipses longer than this to each side are drawn pale
+
+bool vague(const MapLandmark& mark) {
+  const Eigen::Vector2d variances =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(mark.covariance_m2).eigenvalues();
+  return kSigmas * std::sqrt(std::max(variances.y(), 0.0)) > kVague_m;
+}
+
+// Towards the white of the page.
+Colour pale(const Colour& colour) {
+  const auto mix = [](int value) { return 255 - (255 - value) * 2 / 5; };
+  return {mix(colour.red), mix(colour.green), mix(colour.blue)};
+}
+
+void draw_landmarks_of(Canvas& canvas, const MapView& view, const MapLayout& layout,
+                       bool vague_ones, bool common) {
+  for (const MapLandmark& mark : layout.landmarks) {
+    if (mark.common != common || vague(mark) != vague_ones) continue;
+    const Colour full = common ? kMagenta : robot_colour(static_cast<std::size_t>(mark.robot));
+    const Colour colour = vague_ones ? pale(full) : full;
+    const Eigen::Vector2d at = view(mark.position_m);
+    canvas.ellipse(at, view.covariance(mark.covariance_m2), kSigmas, colour, 1.0);
+    canvas.disc(at, common ? 2.6 : 1.8, colour);
+  }
+}
+
+// Vague ones first and common ones last, so that what is known well stays visible.
 void draw_landmarks(Canvas& canvas, const MapView& view, const MapLayout& layout) {
-  // Common ones last, so that they stay visible.
-  for (const bool common : {false, true}) {
-    for (const MapLandmark& mark : layout.landmarks) {
-      if (mark.common != common) continue;
-      const Colour colour = common ? kMagenta : robot_colour(static_cast<std::size_t>(mark.robot));
-      const Eigen::Vector2d at = view(mark.position_m);
-      canvas.ellipse(at, view.covariance(mark.covariance_m2), kSigmas, colour, 1.0);
-      canvas.disc(at, common ? 2.6 : 1.8, colour);
+  for (const bool vague_ones : {true, false}) {
+    for (const bool common : {false, true}) {
+      draw_landmarks_of(canvas, view, layout, vague_ones, common);
     }
   }
 }
