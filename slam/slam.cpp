@@ -3,31 +3,11 @@
 #include <cassert>
 #include <new>
 
-#include "slam/fleet/fleet.h"
 #include "slam/fleet/fusion.h"
 #include "slam/fleet/publish.h"
-#include "slam/mapper.h"
-#include "slam/observed.h"
+#include "slam/slam_state.h"
 
 namespace zenith {
-
-struct Slam::State {
-  FeatureExtractor extractor;
-  Mapper mapper;
-  Fleet fleet;
-  ObservedFrame observed;
-  WheelHistory wheels;
-  WheelTravel used;        // total travel at the last used frame
-  bool has_used = false;
-  StepCounters counters;
-  StepOutput output;
-
-  void layout(Arena& arena, const Parameters& parameters) {
-    extractor.layout(arena);
-    mapper.layout(arena, parameters);
-    fleet.layout(arena);
-  }
-};
 
 std::size_t Slam::memory_needed(const Parameters& parameters) {
   Arena arena;
@@ -52,42 +32,62 @@ Slam::~Slam() { state_->~State(); }
 
 const StepOutput& Slam::step(const StepInput& input) {
   State& s = *state_;
-  StepOutput& out = s.output;
-  ++s.counters.frames;
-  for (const WheelSample& sample : input.wheels) {
-    if (!s.wheels.add(sample)) ++s.counters.odometry_rejected;
-  }
-  const WheelHistory::At now = s.wheels.at(input.stamp);
-  if (!now.known || now.extrapolated) ++s.counters.odometry_extrapolated;
-  if (!s.has_used) s.used = now.total;
-  const WheelTravel travel = {now.total.left_m - s.used.left_m, now.total.right_m - s.used.right_m};
-
-  Features& features = s.extractor.extract(input.frame);
-  out.stamp = input.stamp;
-  out.corners = static_cast<int>(features.size());
-  if (s.mapper.worth_using(travel)) {
-    s.mapper.update(travel, features, s.extractor);
-    observe(s.mapper, features, s.observed);
-    s.fleet.update(s.observed, s.mapper.map(), s.mapper.pose().mean, s.mapper.travelled_m());
-    s.used = now.total;
-    s.has_used = true;
-    out.T_start_robot = s.mapper.pose().mean;
-  } else {
-    s.fleet.rest(s.mapper.map());
-    out.T_start_robot = s.mapper.pose().mean * wheel_motion(s.mapper.robot().wheels, travel);
-  }
-  out.pose_covariance = s.mapper.pose().covariance;
-  out.effective_sample_size = s.mapper.effective_sample_size();
-  out.candidates = 0;
-  out.matched = 0;
-  out.inliers = 0;
-  for (const Candidate& c : s.mapper.candidates()) {
-    ++out.candidates;
-    out.matched += c.corner >= 0 ? 1 : 0;
-    out.inliers += c.inlier ? 1 : 0;
-  }
-  return out;
+  const bool use = s.begin(input);
+  if (use) s.mapper.update(s.travel, *s.features, s.extractor);
+  s.cooperate(use);
+  s.finish(use, {});
+  return s.output;
 }
+
+bool Slam::State::begin(const StepInput& input) {
+  ++counters.frames;
+  for (const WheelSample& sample : input.wheels) {
+    if (!wheels.add(sample)) ++counters.odometry_rejected;
+  }
+  const WheelHistory::At at = wheels.at(input.stamp);
+  if (!at.known || at.extrapolated) ++counters.odometry_extrapolated;
+  now = at.total;
+  if (!has_used) used = now;
+  travel = {now.left_m - used.left_m, now.right_m - used.right_m};
+  features = &extractor.extract(input.frame);
+  output.stamp = input.stamp;
+  output.corners = static_cast<int>(features->size());
+  return mapper.worth_using(travel);
+}
+
+void Slam::State::cooperate(bool used_frame) {
+  if (used_frame) {
+    observe(mapper, *features, observed);
+    fleet.update(observed, mapper.map(), mapper.pose().mean, mapper.travelled_m());
+  } else {
+    fleet.rest(mapper.map());
+  }
+}
+
+void Slam::State::finish(bool used_frame, const Pose2& T_own_map) {
+  Pose2 pose = mapper.pose().mean;
+  if (used_frame) {
+    used = now;
+    has_used = true;
+  } else {
+    pose = pose * wheel_motion(mapper.robot().wheels, travel);
+  }
+  output.T_start_robot = T_own_map * pose;
+  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
+  R.topLeftCorner<2, 2>() = rotation(T_own_map.theta_rad);
+  output.pose_covariance = R * mapper.pose().covariance * R.transpose();
+  output.effective_sample_size = mapper.effective_sample_size();
+  output.candidates = 0;
+  output.matched = 0;
+  output.inliers = 0;
+  for (const Candidate& c : mapper.candidates()) {
+    ++output.candidates;
+    output.matched += c.corner >= 0 ? 1 : 0;
+    output.inliers += c.inlier ? 1 : 0;
+  }
+}
+
+const StepOutput& Slam::output() const { return state_->output; }
 
 const StepCounters& Slam::counters() const {
   StepCounters& c = state_->counters;

@@ -70,6 +70,8 @@ class Slam {
   // One frame. Calls must have rising stamps.
   const StepOutput& step(const StepInput& input);
 
+  // Of the last step.
+  const StepOutput& output() const;
   const StepCounters& counters() const;
 
   // Own promoted landmarks, in rising id, into `out`; returns how many were written.
@@ -97,6 +99,7 @@ class Slam {
   std::size_t fused_landmarks(std::span<FusedLandmark> out) const;
 
  private:
+  friend class JointSlam;
   struct State;
   State* state_;  // inside the caller's memory
 };

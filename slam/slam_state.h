@@ -1,0 +1,45 @@
+#pragma once
+// What a Slam holds, and the step in two halves: before and after the filter. One robot's filter
+// stands between them in slam.cpp, several robots' in joint_slam.cpp.
+
+#include "slam/fleet/fleet.h"
+#include "slam/mapper.h"
+#include "slam/observed.h"
+#include "slam/slam.h"
+
+namespace zenith {
+
+struct Slam::State {
+  FeatureExtractor extractor;
+  Mapper mapper;
+  Fleet fleet;
+  ObservedFrame observed;
+  WheelHistory wheels;
+  WheelTravel used;  // total travel at the last used frame
+  bool has_used = false;
+  StepCounters counters;
+  StepOutput output;
+
+  // This frame: its corners, and the travel since the last used one.
+  Features* features = nullptr;
+  WheelTravel now;
+  WheelTravel travel;
+
+  void layout(Arena& arena, const Parameters& parameters) {
+    extractor.layout(arena);
+    mapper.layout(arena, parameters);
+    fleet.layout(arena);
+  }
+
+  // Wheels and corners; whether the robot moved enough for the frame to be used.
+  bool begin(const StepInput& input);
+
+  // After the filter: the pose, and what was matched. T_own_map is from the map's frame to the
+  // robot's own start frame.
+  void finish(bool used_frame, const Pose2& T_own_map);
+
+  // The search in peers' maps.
+  void cooperate(bool used_frame);
+};
+
+}  // namespace zenith
