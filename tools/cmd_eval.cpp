@@ -156,7 +156,10 @@ void add_eval_command(CLI::App& app, int& exit_code) {
   eval->add_option("--jobs", options->plan.jobs, "runs side by side")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
-  eval->add_flag("--alone", options->alone, "robots do not tell each other anything");
+  CLI::Option* alone =
+      eval->add_flag("--alone", options->alone, "robots do not tell each other anything");
+  eval->add_flag("--joint", options->plan.joint, "aligned robots go on in one filter")
+      ->excludes(alone);
   add_set_option(*eval, options->assignments);
   eval->add_option("--replay", options->replay_output,
                    "judge this output of `zenith replay`; WORLD are then its recordings");

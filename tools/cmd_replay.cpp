@@ -23,9 +23,16 @@ parameters give the same output, bit for bit, but for times of computation.
 OUT holds summary.json, map.png, confidence.png and for each robot trajectory.tum, landmarks.csv,
 alignments.csv and confidence.csv. It appears when everything is written.
 
+With --joint a robot that merges with another one takes it into its own filter: one map, updated
+with what all of them see at the same time (the paper's Eq. 2-3). Trajectories stay in each robot's
+own start frame, alignments.csv then holds the alignment at which the filters were joined, and
+landmarks.csv of each of them the one map, in its own start frame. All cameras must be at the same
+height.
+
 Examples:
   zenith replay rec/a rec/b --out out
   zenith replay rec/* --out out --force --set particles=400
+  zenith replay rec/a rec/b --out out --joint
   zenith replay rec/a --out out --skip-damaged)";
 
 struct ReplayCommand {
@@ -67,6 +74,8 @@ void add_replay_command(CLI::App& app, int& exit_code) {
       ->required();
   replay->add_option("--out", command->out, "the folder to write")->required();
   replay->add_option("--seed", command->plan.seed, "seed of the particles")->capture_default_str();
+  replay->add_flag("--joint", command->plan.joint,
+                   "robots that have merged go on in one filter with one map");
   add_set_option(*replay, command->assignments);
   replay
       ->add_option("--max-gap", command->plan.reading.max_odometry_gap_s,

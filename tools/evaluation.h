@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,7 @@ struct EvaluationPlan {
   double duration_s = 0.0;  // 0: as long as the world says
   int jobs = 1;             // threads; step times are honest with one only
   bool share_maps = true;
+  bool joint = false;       // aligned robots go on in one filter
   Parameters parameters;
 };
 
@@ -26,6 +28,7 @@ struct EvaluationRun {
   std::uint64_t seed = 0;
   std::string failure;  // empty when it ran
   TeamFigures figures;
+  std::optional<JointLog> joint;
 };
 
 struct EvaluationEvents {

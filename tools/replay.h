@@ -17,6 +17,7 @@ namespace zenith::tools {
 struct ReplayPlan {
   std::vector<std::filesystem::path> recordings;
   std::uint64_t seed = 1;
+  bool joint = false;  // aligned robots go on in one filter
   Parameters parameters;
   ReadOptions reading;
 };

@@ -1,5 +1,6 @@
 #include "tools/report/files.h"
 
+#include <algorithm>
 #include <cstdarg>
 #include <cstdio>
 #include <fstream>
@@ -124,12 +125,39 @@ nlohmann::json parameters_json(const Parameters& parameters) {
   return json;
 }
 
+nlohmann::json joint_json(const TeamLog& log, const JointLog& joint) {
+  Time start = log.robots[0].frames.front().stamp;
+  for (const RobotLog& robot : log.robots) start = std::min(start, robot.frames.front().stamp);
+  nlohmann::json joins = nlohmann::json::array();
+  for (const JoinLog& join : joint.joins) {
+    const Pose2& T = join.T_host_guest;
+    joins.push_back({{"host", log.robots[static_cast<std::size_t>(join.host)].name},
+                     {"guest", log.robots[static_cast<std::size_t>(join.guest)].name},
+                     {"time_s", (join.stamp - start).seconds()},
+                     {"x_m", T.x_m},
+                     {"y_m", T.y_m},
+                     {"theta_rad", T.theta_rad},
+                     {"common_landmarks", join.common_landmarks},
+                     {"imported_landmarks", join.imported_landmarks}});
+  }
+  nlohmann::json updates;  // by the number of robots that saw the landmark in one time step
+  const auto& counted = joint.counters.updates;
+  for (std::size_t k = 1; k <= log.robots.size() && k < counted.size(); ++k) {
+    updates[std::to_string(k)] = counted[k];
+  }
+  return {{"joins", joins},
+          {"joins_refused", joint.counters.joins_refused},
+          {"landmarks_rejected_full", joint.counters.rejected_full},
+          {"updates_by_observers", updates}};
+}
+
 std::string summary_text_of(const TeamLog& log, const TeamFigures& figures,
                             const RunDescription& run) {
   nlohmann::json json = figures_json(figures);
   json["zenith"] = ZENITH_VERSION;
   json["seed"] = run.seed;
   json["parameters"] = parameters_json(run.parameters);
+  if (log.joint) json["joint"] = joint_json(log, *log.joint);
   for (std::size_t i = 0; i < log.robots.size(); ++i) {
     nlohmann::json& robot = json["robots"][i];
     robot["memory_bytes"] = log.robots[i].memory_bytes;

@@ -1,32 +1,19 @@
 #include "tools/runner/member.h"
 
+#include <algorithm>
 #include <chrono>
-#include <new>
 
 namespace zenith::tools {
-namespace {
-
-constexpr std::size_t kAlignment = 64;
-
-std::byte* allocate_block(std::size_t bytes) {
-  const std::size_t rounded = (bytes + kAlignment - 1) / kAlignment * kAlignment;
-  void* block = std::aligned_alloc(kAlignment, rounded);
-  if (block == nullptr) throw std::bad_alloc();
-  return static_cast<std::byte*>(block);
-}
-
-}  // namespace
 
 Member::Member(Source& source, const Parameters& parameters, std::uint64_t seed, int index,
                int team_size)
     : source_(source),
       index_(index),
       team_size_(team_size),
-      memory_bytes_(Slam::memory_needed(parameters)),
-      memory_(allocate_block(memory_bytes_)) {
-  slam_.emplace(source.config(), parameters, seed, std::span(memory_.get(), memory_bytes_));
+      memory_(Slam::memory_needed(parameters)) {
+  slam_.emplace(source.config(), parameters, seed, memory_.span());
   log_.name = source.name();
-  log_.memory_bytes = memory_bytes_;
+  log_.memory_bytes = memory_.span().size();
   log_.frames.reserve(static_cast<std::size_t>(source.frame_count()));
 }
 
@@ -36,19 +23,24 @@ Result<bool> Member::advance() {
   return more;
 }
 
-void Member::step() {
+StepInput Member::input() const {
   const Lens& lens = source_.config().lens;
   StepInput input;
   input.stamp = frame_.stamp;
   input.frame = {frame_.pixels.data(), lens.width_px, lens.height_px, lens.width_px};
   input.wheels = frame_.wheels;
-  const auto before = std::chrono::steady_clock::now();
-  const StepOutput& output = slam_->step(input);
-  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - before;
-  log_step(output, took.count());
+  return input;
 }
 
-void Member::log_step(const StepOutput& output, double step_s) {
+void Member::step() {
+  const auto before = std::chrono::steady_clock::now();
+  slam_->step(input());
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - before;
+  log_step(took.count());
+}
+
+void Member::log_step(double step_s) {
+  const StepOutput& output = slam_->output();
   FrameLog log;
   log.stamp = frame_.stamp;
   log.T_start_robot = output.T_start_robot;
@@ -60,20 +52,47 @@ void Member::log_step(const StepOutput& output, double step_s) {
   log.matched = output.matched;
   log.inliers = output.inliers;
   log.effective_sample_size = output.effective_sample_size;
+  log.peers = partners_;
   for (const Alignment& alignment : slam_->alignments()) {
-    log.peers.push_back({peer_of_slot(index_, alignment.peer), alignment.state,
-                         alignment.T_own_peer, alignment.covariance.diagonal(),
-                         alignment.confidence, alignment.correspondences});
+    const int peer = peer_of_slot(index_, alignment.peer);
+    if (find_peer(log, peer) != nullptr) continue;
+    log.peers.push_back({peer, alignment.state, alignment.T_own_peer,
+                         alignment.covariance.diagonal(), alignment.confidence,
+                         alignment.correspondences});
   }
   log_.frames.push_back(std::move(log));
 }
 
-RobotLog Member::finish() {
-  log_.counters = slam_->counters();
+void Member::share_filter(const Pose2& T_leader_start, std::vector<PeerLog> peers) {
+  T_start_map_ = T_leader_start.inverse();
+  partners_ = std::move(peers);
+}
+
+void Member::to_start_frame(LandmarkEstimate& landmark) const {
+  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
+  R.topLeftCorner<2, 2>() = rotation(T_start_map_.theta_rad);
+  landmark.position_m.head<2>() = T_start_map_ * Eigen::Vector2d(landmark.position_m.head<2>());
+  landmark.covariance_m2 = R * landmark.covariance_m2 * R.transpose();
+}
+
+void Member::read_maps() {
   log_.landmarks.resize(kMaxLandmarks);
   log_.landmarks.resize(slam_->landmarks(log_.landmarks));
-  log_.fused.resize(kMaxLandmarks + std::size_t{kMaxPeers} * kMaxPeerLandmarks);
-  log_.fused.resize(slam_->fused_landmarks(log_.fused));
+  if (partners_.empty()) {
+    log_.fused.resize(kMaxLandmarks + std::size_t{kMaxPeers} * kMaxPeerLandmarks);
+    log_.fused.resize(slam_->fused_landmarks(log_.fused));
+    return;
+  }
+  // One map for all: what a leader read of its partners before they were one is in it already.
+  for (LandmarkEstimate& landmark : log_.landmarks) {
+    to_start_frame(landmark);
+    log_.fused.push_back({landmark, static_cast<int>(partners_.size()) + 1, -1});
+  }
+}
+
+RobotLog Member::finish() {
+  log_.counters = slam_->counters();
+  read_maps();
   log_.correspondences.resize(static_cast<std::size_t>(team_size_));
   for (int peer = 0; peer < team_size_; ++peer) {
     if (peer == index_) continue;

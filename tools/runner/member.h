@@ -1,15 +1,16 @@
 #pragma once
 // One robot of a run: its source, its Slam in one block of memory, its log.
 
-#include <cstddef>
-#include <cstdlib>
-#include <memory>
+#include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
+#include <vector>
 
 #include "platform/base/result.h"
 #include "slam/slam.h"
 #include "tools/runner/dead_reckoning.h"
+#include "tools/runner/memory_block.h"
 #include "tools/runner/run_log.h"
 #include "tools/runner/source.h"
 
@@ -26,27 +27,36 @@ class Member {
   Time stamp() const { return frame_.stamp; }
 
   void step();
+  // The parts of step(), when another steps this robot's Slam: what to give it, and the log of what
+  // came out.
+  StepInput input() const;
+  void log_step(double step_s);
+
   Slam& slam() { return *slam_; }
+  const std::string& name() const { return log_.name; }
+  double frame_period_s() const { return 1.0 / source_.config().frame_rate_hz; }
+
+  // From now on this robot is in one filter with others, whose map is in the start frame of their
+  // leader; `peers` are its alignments with them.
+  void share_filter(const Pose2& T_leader_start, std::vector<PeerLog> peers);
 
   // The log, completed with the final map. Call once.
   RobotLog finish();
 
  private:
-  struct Free {
-    void operator()(std::byte* block) const { std::free(block); }
-  };
-
-  void log_step(const StepOutput& output, double step_s);
+  void to_start_frame(LandmarkEstimate& landmark) const;
+  void read_maps();
 
   Source& source_;
   int index_;
   int team_size_;
-  std::size_t memory_bytes_;
-  std::unique_ptr<std::byte, Free> memory_;
+  MemoryBlock memory_;
   std::optional<Slam> slam_;
   SourceFrame frame_;
   bool has_frame_ = false;
   DeadReckoning odometry_;
+  Pose2 T_start_map_;              // while the filter is shared
+  std::vector<PeerLog> partners_;  // robots in the same filter
   RobotLog log_;
 };
 

@@ -10,6 +10,7 @@
 
 #include "platform/base/time.h"
 #include "slam/geometry.h"
+#include "slam/joint.h"
 #include "slam/slam.h"
 
 namespace zenith::tools {
@@ -44,12 +45,29 @@ struct RobotLog {
   StepCounters counters;
   std::size_t memory_bytes = 0;
   std::vector<LandmarkEstimate> landmarks;
-  std::vector<FusedLandmark> fused;  // `source` is a slot, see peer_of_slot
+  std::vector<FusedLandmark> fused;                          // `source` is a slot, see peer_of_slot
   std::vector<std::vector<Correspondence>> correspondences;  // by the peer's index in the team
+};
+
+// A filter that joined another one.
+struct JoinLog {
+  int host = 0;
+  int guest = 0;
+  Time stamp;  // of the host's frame
+  Pose2 T_host_guest;
+  int common_landmarks = 0;
+  int imported_landmarks = 0;
+};
+
+// What robots in one filter did, see slam/joint.h.
+struct JointLog {
+  std::vector<JoinLog> joins;
+  JointCounters counters;
 };
 
 struct TeamLog {
   std::vector<RobotLog> robots;
+  std::optional<JointLog> joint;  // of a joint run
 };
 
 // Slots count the other robots in the team's order.

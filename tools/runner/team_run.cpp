@@ -1,47 +1,24 @@
 #include "tools/runner/team_run.h"
 
-#include <array>
+#include <cmath>
 #include <string>
 #include <vector>
 
-#include "tools/runner/member.h"
+#include "tools/runner/joint_run.h"
+#include "tools/runner/team.h"
 
 namespace zenith::tools {
 namespace {
 
-using Team = std::vector<std::unique_ptr<Member>>;
-
-// The robot whose next frame is the oldest, or -1 when all are at their end.
-int next_to_step(const Team& team) {
-  int best = -1;
-  for (int i = 0; i < static_cast<int>(team.size()); ++i) {
-    if (!team[i]->has_frame()) continue;
-    if (best < 0 || team[i]->stamp() < team[best]->stamp()) best = i;
+// Where a landmark stands depends on how high the camera is above the floor.
+Status check_cameras(std::span<const std::unique_ptr<Source>> sources) {
+  const RobotConfig& first = sources[0]->config();
+  for (const auto& source : sources) {
+    if (std::abs(source->config().mount.z_m - first.mount.z_m) < 0.002) continue;
+    return Error{"a joint run needs all cameras at one height: " + source->name() +
+                 "'s is not at " + sources[0]->name() + "'s"};
   }
-  return best;
-}
-
-void share_records(Team& team, int from) {
-  std::array<LandmarkRecord, 256> records;
-  std::size_t count = 0;
-  do {
-    count = team[from]->slam().publish(records);
-    for (int to = 0; to < static_cast<int>(team.size()) && count > 0; ++to) {
-      if (to == from) continue;
-      team[to]->slam().receive(slot_of_peer(to, from), std::span(records).first(count));
-    }
-  } while (count == records.size());
-}
-
-// Whoever has merged tells the peer; the peer tests it against its own map.
-void offer_alignments(Team& team, int from) {
-  for (int to = 0; to < static_cast<int>(team.size()); ++to) {
-    if (to == from) continue;
-    for (const Alignment& a : team[from]->slam().alignments()) {
-      if (a.peer != slot_of_peer(from, to) || a.state != AlignmentState::kMerged) continue;
-      team[to]->slam().offer_alignment(slot_of_peer(to, from), a.T_own_peer.inverse());
-    }
-  }
+  return {};
 }
 
 Status check_team(std::span<const std::unique_ptr<Source>> sources) {
@@ -49,6 +26,26 @@ Status check_team(std::span<const std::unique_ptr<Source>> sources) {
   if (sources.size() > std::size_t{kMaxPeers} + 1) {
     return Error{"a team has at most " + std::to_string(kMaxPeers + 1) + " robots, found " +
                  std::to_string(sources.size())};
+  }
+  return {};
+}
+
+std::vector<int> all_but(const Team& team, int robot) {
+  std::vector<int> others;
+  for (int i = 0; i < static_cast<int>(team.size()); ++i) {
+    if (i != robot) others.push_back(i);
+  }
+  return others;
+}
+
+// Every robot its own filter. Returns the first failure of a source.
+Status run_apart(Team& team, bool share_maps, int total, const RunProgress& progress) {
+  int done = 0;
+  for (int i = next_to_step(team); i >= 0; i = next_to_step(team)) {
+    team[i]->step();
+    if (share_maps) tell_peers(team, i, all_but(team, i));
+    if (const auto more = team[i]->advance(); !more.ok()) return more.error();
+    if (progress) progress(++done, total);
   }
   return {};
 }
@@ -67,17 +64,16 @@ Result<TeamLog> run_team(std::span<const std::unique_ptr<Source>> sources,
     total += sources[i]->frame_count();
     if (const auto more = team.back()->advance(); !more.ok()) return more.error();
   }
-  int done = 0;
-  for (int i = next_to_step(team); i >= 0; i = next_to_step(team)) {
-    team[i]->step();
-    if (options.share_maps) {
-      share_records(team, i);
-      offer_alignments(team, i);
-    }
-    if (const auto more = team[i]->advance(); !more.ok()) return more.error();
-    if (progress) progress(++done, total);
-  }
   TeamLog log;
+  if (options.joint) {
+    if (const Status checked = check_cameras(sources); !checked) return checked.error();
+    auto joint = run_joint(team, options.parameters, total, progress);
+    if (!joint.ok()) return joint.error();
+    log.joint = std::move(*joint);
+  } else {
+    const Status ran = run_apart(team, options.share_maps, total, progress);
+    if (!ran) return ran.error();
+  }
   for (auto& member : team) log.robots.push_back(member->finish());
   return log;
 }

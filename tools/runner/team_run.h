@@ -18,6 +18,7 @@ struct RunOptions {
   Parameters parameters;
   std::uint64_t seed = 1;
   bool share_maps = true;  // false: each robot alone
+  bool joint = false;      // aligned robots go on in one filter; see joint_run.h
 };
 
 // Called after every frame with the frames done and the frames in all.
