@@ -35,7 +35,8 @@ void FeatureExtractor::adapt_threshold(std::size_t corners) {
   const auto count = static_cast<double>(corners);
   double& threshold = settings_.min_eigenvalue;
   if (count < kFewCorners * settings_.max_corners) {
-    threshold = std::max(threshold * kThresholdStep, std::min(kWeakestThreshold, strongest_threshold_));
+    threshold =
+        std::max(threshold * kThresholdStep, std::min(kWeakestThreshold, strongest_threshold_));
   } else if (count > kEnoughCorners * settings_.max_corners) {
     threshold = std::min(threshold / kThresholdStep, strongest_threshold_);
   }

@@ -10,8 +10,8 @@
 #include "platform/base/arena.h"
 #include "platform/base/fixed_vector.h"
 #include "slam/image/corners.h"
-#include "slam/image/rectify.h"
 #include "slam/image/feature.h"
+#include "slam/image/rectify.h"
 #include "slam/parameters.h"
 #include "slam/robot.h"
 

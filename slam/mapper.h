@@ -81,7 +81,6 @@ class Mapper {
   // The part of this robot's way that ages the map: 1 / robots that share it.
   void set_way_share(double share) { way_share_ = share; }
   Random& random() { return random_; }
-  float noise() const { return noise_; }
 
   const Particles& particles() const { return particles_; }
   const PoseEstimate& pose() const { return pose_; }
@@ -98,8 +97,9 @@ class Mapper {
   const RobotConfig& robot() const { return robot_; }
 
  private:
-  // A corner is found to so many pixels of the fisheye frame; rectified, a pixel grows by 1 + r^2 along
-  // the radius and by about its root across it. One variance for both axes: the geometric mean.
+  // A corner is found to so many pixels of the fisheye frame; rectified, a pixel grows by 1 + r^2
+  // along the radius and by about its root across it. One variance for both axes: the geometric
+  // mean.
   float observation_noise(float r2) const { return noise_ * (1.0F + r2) * std::sqrt(1.0F + r2); }
 
   static constexpr double kDegree = std::numbers::pi / 180.0;
@@ -123,7 +123,7 @@ class Mapper {
   AssociationSettings association_;
   Random random_{0};
   double pixel_ = 0.0;  // of the level image, in tangents
-  float noise_ = 0.0F;    // variance of an observation at the image's centre, tangents squared
+  float noise_ = 0.0F;  // variance of an observation at the image's centre, tangents squared
   Particles particles_;
   PoseEstimate pose_;
   Map own_map_;

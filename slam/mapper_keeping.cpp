@@ -43,7 +43,6 @@ void Mapper::note(const Candidate& c, const Feature& f) {
   }
 }
 
-// Promotion and pruning.
 // Places of landmarks out of sight move too, when the particles' weights, their ancestry or the
 // calibration change: a few are read again in each frame, so that peers and readers hear of it.
 void Mapper::refresh_in_turn() {
@@ -57,6 +56,7 @@ void Mapper::refresh_in_turn() {
   }
 }
 
+// Promotion and pruning.
 void Mapper::keep() {
   refresh_in_turn();
   for (const Candidate& c : candidates_[0]) {

@@ -30,9 +30,11 @@ constexpr auto kTable = std::to_array<ParameterInfo>({
 
     {"particles", "", 1, 1024, "number of particles", &P::particles},
     {"optimal_proposal", "", 0, 1,
-     "1: draw poses from odometry and landmarks (FastSLAM 2.0); 0: from odometry alone, the paper's",
+     "1: draw poses from odometry and landmarks (FastSLAM 2.0); 0: from odometry alone, the "
+     "paper's",
      &P::optimal_proposal},
-    {"pixel_sigma_px", "px", 0.05, 10, "standard deviation of a corner's position, in pixels of the fisheye frame",
+    {"pixel_sigma_px", "px", 0.05, 10,
+     "standard deviation of a corner's position, in pixels of the fisheye frame",
      &P::pixel_sigma_px},
     {"gate_sigma", "", 1, 10, "matches further than this from their prediction are refused",
      &P::gate_sigma},
@@ -44,9 +46,11 @@ constexpr auto kTable = std::to_array<ParameterInfo>({
      &P::min_travel_m},
     {"min_turn_deg", "deg", 0, 45, "nor those turned by less than this", &P::min_turn_deg},
     {"tilt_sigma_deg", "deg", 0, 5,
-     "how wrong the calibrated tilt of the camera may be; the rest is learned while driving; 0: off",
+     "how wrong the calibrated tilt of the camera may be; the rest is learned while driving; 0: "
+     "off",
      &P::tilt_sigma_deg},
-    {"focal_sigma", "", 0, 0.1, "the same of the focal length, relative; 0: taken as calibrated", &P::focal_sigma},
+    {"focal_sigma", "", 0, 0.1, "the same of the focal length, relative; 0: taken as calibrated",
+     &P::focal_sigma},
 
     {"ncc_match", "", -1, 1, "least similarity of a corner and its landmark", &P::ncc_match},
     {"ncc_match_settled", "", -1, 1,
@@ -80,6 +84,8 @@ constexpr auto kTable = std::to_array<ParameterInfo>({
 
 }  // namespace
 
-std::span<const ParameterInfo> parameter_table() { return kTable; }
+std::span<const ParameterInfo> parameter_table() {
+  return kTable;
+}
 
 }  // namespace zenith

@@ -28,7 +28,9 @@ Slam::Slam(const RobotConfig& robot, const Parameters& parameters, std::uint64_t
   state_->fleet.build(parameters);
 }
 
-Slam::~Slam() { state_->~State(); }
+Slam::~Slam() {
+  state_->~State();
+}
 
 const StepOutput& Slam::step(const StepInput& input) {
   State& s = *state_;
@@ -87,7 +89,9 @@ void Slam::State::finish(bool used_frame, const Pose2& T_own_map) {
   }
 }
 
-const StepOutput& Slam::output() const { return state_->output; }
+const StepOutput& Slam::output() const {
+  return state_->output;
+}
 
 const StepCounters& Slam::counters() const {
   StepCounters& c = state_->counters;
@@ -128,7 +132,9 @@ void Slam::offer_alignment(int peer, const Pose2& T_own_peer) {
   state_->fleet.offer_alignment(peer, T_own_peer);
 }
 
-std::span<const Alignment> Slam::alignments() const { return state_->fleet.alignments(); }
+std::span<const Alignment> Slam::alignments() const {
+  return state_->fleet.alignments();
+}
 
 std::span<const Correspondence> Slam::correspondences(int peer) const {
   const Peer& p = state_->fleet.peers()[static_cast<std::size_t>(peer)];

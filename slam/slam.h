@@ -25,10 +25,11 @@
 namespace zenith {
 
 struct StepInput {
-  Time stamp;                          // the frame's capture stamp
-  ImageView frame;                     // the fisheye frame, as large as the lens says
-  std::span<const WheelSample> wheels; // all since the last step, in order; the last one at or
-                                       // after `stamp`, or the travel is extrapolated (and counted)
+  Time stamp;       // the frame's capture stamp
+  ImageView frame;  // the fisheye frame, as large as the lens says
+  std::span<const WheelSample>
+      wheels;  // all since the last step, in order; the last one at or
+               // after `stamp`, or the travel is extrapolated (and counted)
 };
 
 struct StepCounters {
@@ -50,7 +51,7 @@ struct StepOutput {
   Eigen::Matrix3d pose_covariance;  // over (x, y, theta)
   double effective_sample_size = 0.0;
   int corners = 0;
-  int candidates = 0;               // landmarks predicted into the image
+  int candidates = 0;  // landmarks predicted into the image
   int matched = 0;
   int inliers = 0;
 };

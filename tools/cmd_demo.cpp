@@ -59,8 +59,10 @@ void print_result(const std::filesystem::path& out, const TeamFigures& figures) 
   std::printf("3. Done.\n\n%s\n", figures_text(figures).c_str());
   std::printf("Open these:\n");
   std::printf("  %-44s the merged map, with the true paths in grey\n", file("map.png").c_str());
-  std::printf("  %-44s how sure the robots grew that their maps overlap\n",
-              file("confidence.png").c_str());
+  if (std::filesystem::exists(out / "confidence.png")) {
+    std::printf("  %-44s how sure the robots grew that their maps overlap\n",
+                file("confidence.png").c_str());
+  }
   std::printf("  %-44s all figures\n", file("summary.json").c_str());
   std::printf("  %-44s the recordings, for `zenith replay`\n", file("recordings").c_str());
 }

@@ -43,8 +43,8 @@ void evaluate_one(const EvaluationPlan& plan, EvaluationRun& run, const RunProgr
     run.failure = team.error().message;
     return;
   }
-  const auto log = run_team(team->sources,
-                            {plan.parameters, run.seed, plan.share_maps, plan.joint}, progress);
+  const auto log =
+      run_team(team->sources, {plan.parameters, run.seed, plan.share_maps, plan.joint}, progress);
   if (!log.ok()) {
     run.failure = log.error().message;
     return;

@@ -19,7 +19,7 @@ struct EvaluationPlan {
   double duration_s = 0.0;  // 0: as long as the world says
   int jobs = 1;             // threads; step times are honest with one only
   bool share_maps = true;
-  bool joint = false;       // aligned robots go on in one filter
+  bool joint = false;  // aligned robots go on in one filter
   Parameters parameters;
 };
 

@@ -28,6 +28,7 @@ int run(int argc, char** argv) {
   bool list_parameters = false;
   app.add_flag("--parameters", list_parameters, "list the parameters of the algorithm");
   add_demo_command(app, exit_code);
+  add_descriptors_command(app, exit_code);
   add_sim_command(app, exit_code);
   add_replay_command(app, exit_code);
   add_eval_command(app, exit_code);

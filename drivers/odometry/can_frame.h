@@ -10,9 +10,9 @@ namespace zenith {
 
 struct CanFrame {
   Time stamp;
-  std::uint32_t id = 0;    // 11 or 29 bits, without flags
-  bool extended = false;   // 29-bit identifier
-  std::uint8_t length = 0; // 0..8
+  std::uint32_t id = 0;     // 11 or 29 bits, without flags
+  bool extended = false;    // 29-bit identifier
+  std::uint8_t length = 0;  // 0..8
   std::array<std::uint8_t, 8> data = {};
 };
 

@@ -2,8 +2,8 @@
 // Fixed memory: one block, handed out once at start, never given back.
 //
 // The same layout code runs twice: over an Arena without a block it only counts the bytes
-// (memory_needed), over a real block it hands out aligned, value-initialised arrays. Running out is a
-// programmer's mistake, for the block's size came from the first run.
+// (memory_needed), over a real block it hands out aligned, value-initialised arrays. Running out is
+// a programmer's mistake, for the block's size came from the first run.
 
 #include <cassert>
 #include <cstddef>

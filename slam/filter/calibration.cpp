@@ -16,7 +16,9 @@ constexpr double kFrameWeight = 0.2;
 // Of the information, forgotten with each frame: a mount that settles is followed in minutes.
 constexpr double kForget = 2e-4;
 
-Eigen::Vector2d perpendicular(const Eigen::Vector2d& v) { return {-v.y(), v.x()}; }
+Eigen::Vector2d perpendicular(const Eigen::Vector2d& v) {
+  return {-v.y(), v.x()};
+}
 
 }  // namespace
 
@@ -32,9 +34,9 @@ ObservationModel linearise(const LandmarkRows& l, const CameraRows& camera, int 
                            const Eigen::Vector2d& lever_m, double noise) {
   const Eigen::Matrix2d R_t =
       (Eigen::Matrix2d() << camera.cos[i], -camera.sin[i], camera.sin[i], camera.cos[i]).finished();
-  const Eigen::Matrix2d R_a = (Eigen::Matrix2d() << l.anchor_cos[i], -l.anchor_sin[i],
-                               l.anchor_sin[i], l.anchor_cos[i])
-                                  .finished();
+  const Eigen::Matrix2d R_a =
+      (Eigen::Matrix2d() << l.anchor_cos[i], -l.anchor_sin[i], l.anchor_sin[i], l.anchor_cos[i])
+          .finished();
   const Eigen::Matrix2d R = R_t.transpose() * R_a;
   const Eigen::Vector2d between(l.anchor_x[i] - camera.x[i], l.anchor_y[i] - camera.y[i]);
   const Eigen::Vector2d b = R_t.transpose() * between;
@@ -53,11 +55,13 @@ ObservationModel linearise(const LandmarkRows& l, const CameraRows& camera, int 
   return out;
 }
 
-Eigen::Matrix<double, 2, 3> residual_sensitivity(const ObservationModel& model, const Eigen::Vector2d& z,
-                                     const LandmarkSensitivity& B, const PoseSensitivity& A_pose,
-                                     const PoseSensitivity& A_anchor) {
-  return -calibration_effect(z) - model.by_landmark * B -
-         model.by_pose * A_pose - model.by_anchor * A_anchor;
+Eigen::Matrix<double, 2, 3> residual_sensitivity(const ObservationModel& model,
+                                                 const Eigen::Vector2d& z,
+                                                 const LandmarkSensitivity& B,
+                                                 const PoseSensitivity& A_pose,
+                                                 const PoseSensitivity& A_anchor) {
+  return -calibration_effect(z) - model.by_landmark * B - model.by_pose * A_pose -
+         model.by_anchor * A_anchor;
 }
 
 void CalibrationEstimator::reset(double tilt_sigma_rad, double focal_sigma) {
@@ -76,8 +80,10 @@ void CalibrationEstimator::begin_frame(const Eigen::Matrix3d& motion_information
   x_.setZero();
 }
 
-void CalibrationEstimator::add(const Eigen::Vector2d& residual, const Eigen::Matrix<double, 2, 3>& G,
-                        const Eigen::Matrix<double, 2, 3>& D, const Eigen::Matrix2d& weight) {
+void CalibrationEstimator::add(const Eigen::Vector2d& residual,
+                               const Eigen::Matrix<double, 2, 3>& G,
+                               const Eigen::Matrix<double, 2, 3>& D,
+                               const Eigen::Matrix2d& weight) {
   bb_ += D.transpose() * weight * D;
   bx_ += D.transpose() * weight * G;
   xx_ += G.transpose() * weight * G;
@@ -85,7 +91,9 @@ void CalibrationEstimator::add(const Eigen::Vector2d& residual, const Eigen::Mat
   x_ += G.transpose() * weight * residual;
 }
 
-PoseSensitivity CalibrationEstimator::pose_gain() const { return xx_.llt().solve(bx_.transpose()); }
+PoseSensitivity CalibrationEstimator::pose_gain() const {
+  return xx_.llt().solve(bx_.transpose());
+}
 
 Eigen::Vector3d CalibrationEstimator::end_frame() {
   const Eigen::LLT<Eigen::Matrix3d> llt(xx_);
@@ -97,6 +105,8 @@ Eigen::Vector3d CalibrationEstimator::end_frame() {
   return step;
 }
 
-Eigen::Matrix3d CalibrationEstimator::covariance() const { return information_.inverse(); }
+Eigen::Matrix3d CalibrationEstimator::covariance() const {
+  return information_.inverse();
+}
 
 }  // namespace zenith

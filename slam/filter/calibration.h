@@ -2,17 +2,18 @@
 // What is left of the camera's calibration error, estimated while driving: two angles of tilt and
 // one of focal length.
 //
-// A camera that leans 0.05 degrees more than its calibration says sees the ceiling a little stretched
-// ahead and a little squeezed behind; carried from landmark to landmark that bends the scale of the
-// map by a percent in 20 m, and its heading when it leans sideways. With beta = (forward, left, focal)
+// A camera that leans 0.05 degrees more than its calibration says sees the ceiling a little
+// stretched ahead and a little squeezed behind; carried from landmark to landmark that bends the
+// scale of the map by a percent in 20 m, and its heading when it leans sideways. With beta =
+// (forward, left, focal)
 //
 //   z_true = z_seen + C(z) beta,   C(z) = [ I + z z^T | (1 + |z|^2) atan(|z|) / |z| z ]
 //
 // the first two in radians, the third relative. Method: the two-stage Kalman filter (Friedland,
-// "Treatment of bias in recursive filtering", IEEE Trans. AC 14, 1969). The SLAM filter runs as if the
-// calibration were right, and beside it runs how each estimate depends on it: A = d pose / d beta for
-// the robot and each anchor, B = d (ax, ay, rho) / d beta for each landmark. A residual then tells
-// beta through its own sensitivity
+// "Treatment of bias in recursive filtering", IEEE Trans. AC 14, 1969). The SLAM filter runs as if
+// the calibration were right, and beside it runs how each estimate depends on it: A = d pose / d
+// beta for the robot and each anchor, B = d (ax, ay, rho) / d beta for each landmark. A residual
+// then tells beta through its own sensitivity
 //
 //   D = -C(z) - H B - J_t A_t - J_a A_a
 //
@@ -41,9 +42,11 @@ struct ObservationModel {
 ObservationModel linearise(const LandmarkRows& landmark, const CameraRows& camera, int particle,
                            const Eigen::Vector2d& lever_m, double noise);
 
-Eigen::Matrix<double, 2, 3> residual_sensitivity(const ObservationModel& model, const Eigen::Vector2d& z,
-                                     const LandmarkSensitivity& B, const PoseSensitivity& A_pose,
-                                     const PoseSensitivity& A_anchor);
+Eigen::Matrix<double, 2, 3> residual_sensitivity(const ObservationModel& model,
+                                                 const Eigen::Vector2d& z,
+                                                 const LandmarkSensitivity& B,
+                                                 const PoseSensitivity& A_pose,
+                                                 const PoseSensitivity& A_anchor);
 
 class CalibrationEstimator {
  public:

@@ -23,7 +23,11 @@ inline View view(const LandmarkRows& l, const CameraRows& camera, int i) {
   const float dy = l.anchor_y[i] - camera.y[i];
   const float bx = ct * dx + st * dy;
   const float by = ct * dy - st * dx;
-  return {c, s, bx, by, c * l.ax[i] - s * l.ay[i] + l.rho[i] * bx,
+  return {c,
+          s,
+          bx,
+          by,
+          c * l.ax[i] - s * l.ay[i] + l.rho[i] * bx,
           s * l.ax[i] + c * l.ay[i] + l.rho[i] * by};
 }
 

@@ -31,7 +31,8 @@ WheelHistory::At WheelHistory::at(Time stamp) const {
   const bool beyond = stamp > newest.stamp;
   constexpr Duration kHold = {100'000'000};
   const Time t = beyond ? std::min(stamp, newest.stamp + kHold) : stamp;
-  const double s = static_cast<double>((t - a.stamp).ns) / static_cast<double>((b.stamp - a.stamp).ns);
+  const double s =
+      static_cast<double>((t - a.stamp).ns) / static_cast<double>((b.stamp - a.stamp).ns);
   return {{a.left_m + s * (b.left_m - a.left_m), a.right_m + s * (b.right_m - a.right_m)},
           beyond,
           true};

@@ -56,7 +56,8 @@ void move_by_sample(Particles& particles, const MotionIncrement& motion, Random&
 }
 
 void ProposalRows::layout(Arena& arena, int particles) {
-  for (float*& r : row) r = arena.take<float>(static_cast<std::size_t>(row_stride(particles))).data();
+  for (float*& r : row)
+    r = arena.take<float>(static_cast<std::size_t>(row_stride(particles))).data();
 }
 
 void ProposalRows::clear(int particles) {
@@ -74,13 +75,12 @@ void add_to_proposal(const LandmarkRows& landmark, const CameraRows& camera, int
   float syy[kChunk];
   for (int start = 0; start < particles; start += kChunk) {
     const int n = std::min(kChunk, particles - start);
-    const LandmarkRows l = {landmark.ax + start,        landmark.ay + start,
-                            landmark.rho + start,       landmark.pxx + start,
-                            landmark.pxy + start,       landmark.pxr + start,
-                            landmark.pyy + start,       landmark.pyr + start,
-                            landmark.prr + start,       landmark.anchor_x + start,
-                            landmark.anchor_y + start,  landmark.anchor_cos + start,
-                            landmark.anchor_sin + start};
+    const LandmarkRows l = {
+        landmark.ax + start,        landmark.ay + start,       landmark.rho + start,
+        landmark.pxx + start,       landmark.pxy + start,      landmark.pxr + start,
+        landmark.pyy + start,       landmark.pyr + start,      landmark.prr + start,
+        landmark.anchor_x + start,  landmark.anchor_y + start, landmark.anchor_cos + start,
+        landmark.anchor_sin + start};
     const CameraRows c = {camera.x + start, camera.y + start, camera.cos + start,
                           camera.sin + start};
     predict_landmark(l, c, n, {mx, my, sxx, sxy, syy});
@@ -132,12 +132,14 @@ void draw_from_proposal(Particles& particles, const MotionIncrement& motion,
     const Eigen::Vector3d mean = llt.solve(eta);
     // lambda = L L^T, so L^-T n has covariance lambda^-1.
     const Eigen::Matrix3d L = llt.matrixL();
-    const Eigen::Vector3d noise = L.transpose().triangularView<Eigen::Upper>().solve(normal3(random));
+    const Eigen::Vector3d noise =
+        L.transpose().triangularView<Eigen::Upper>().solve(normal3(random));
     move(particles, i, mean + noise);
     const double log_det = 2.0 * (std::log(L(0, 0)) + std::log(L(1, 1)) + std::log(L(2, 2)));
     const auto k = static_cast<std::size_t>(i);
-    particles.log_weight[k] += 0.5 * (eta.dot(mean) - static_cast<double>(rows.row[9][i]) -
-                                      static_cast<double>(rows.row[10][i]) - log_det + log_det_prior);
+    particles.log_weight[k] +=
+        0.5 * (eta.dot(mean) - static_cast<double>(rows.row[9][i]) -
+               static_cast<double>(rows.row[10][i]) - log_det + log_det_prior);
   }
 }
 

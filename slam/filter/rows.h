@@ -35,7 +35,9 @@ class RowStore {
   const float* row(int slot, int r) const { return data_.data() + offset(slot, r); }
 
   std::uint32_t generation(int slot) const { return generation_[static_cast<std::size_t>(slot)]; }
-  void set_generation(int slot, std::uint32_t g) { generation_[static_cast<std::size_t>(slot)] = g; }
+  void set_generation(int slot, std::uint32_t g) {
+    generation_[static_cast<std::size_t>(slot)] = g;
+  }
 
   // Makes the slot's rows valid at today's generation.
   void bring(int slot, Ancestry& ancestry) {

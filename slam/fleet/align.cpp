@@ -74,8 +74,8 @@ AlignmentFit fit_alignment(std::span<const PointPair> pairs, const Pose2& start,
     fit.T_a_b.theta_rad = wrap_angle(fit.T_a_b.theta_rad + step.z());
     fit.mean_squared_distance = sum / static_cast<double>(pairs.size());
     // Two residuals a pair; more scatter than stated means larger covariances than stated.
-    fit.covariance = ldlt.solve(Eigen::Matrix3d::Identity()) *
-                     std::max(1.0, 0.5 * fit.mean_squared_distance);
+    fit.covariance =
+        ldlt.solve(Eigen::Matrix3d::Identity()) * std::max(1.0, 0.5 * fit.mean_squared_distance);
     fit.ok = true;
     if (step.norm() < 1e-9) break;
   }

@@ -3,9 +3,9 @@
 //
 //   minimise  sum_i  rho( e_i^T W_i e_i ),   e_i = a_i - T b_i,   W_i = (A_i + R B_i R^T)^-1
 //
-// T is a rotation and a translation in the plane. The start is the closed-form weighted fit (Umeyama
-// 1991 in two dimensions, no scale); Gauss and Newton's method with Cauchy's weights then uses the
-// covariances A_i, B_i of both sides. The result's covariance is over (x, y, theta).
+// T is a rotation and a translation in the plane. The start is the closed-form weighted fit
+// (Umeyama 1991 in two dimensions, no scale); Gauss and Newton's method with Cauchy's weights then
+// uses the covariances A_i, B_i of both sides. The result's covariance is over (x, y, theta).
 
 #include <span>
 

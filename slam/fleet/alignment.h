@@ -11,7 +11,7 @@ namespace zenith {
 
 struct LandmarkEstimate {
   std::uint32_t id = 0;
-  Eigen::Vector3d position_m;      // in the robot's own start frame
+  Eigen::Vector3d position_m;  // in the robot's own start frame
   Eigen::Matrix3d covariance_m2;
   int observations = 0;
 };
@@ -20,11 +20,11 @@ enum class AlignmentState { kCandidate, kMerged, kWithdrawn };
 
 // The transform that takes peer's coordinates into the robot's own start frame.
 struct Alignment {
-  int peer = 0;                    // slot, as given to receive()
+  int peer = 0;  // slot, as given to receive()
   AlignmentState state = AlignmentState::kCandidate;
   Pose2 T_own_peer;
-  Eigen::Matrix3d covariance;      // over (x, y, theta)
-  double confidence = 0.0;         // Eq. 4, corrected
+  Eigen::Matrix3d covariance;  // over (x, y, theta)
+  double confidence = 0.0;     // Eq. 4, corrected
   int correspondences = 0;
 };
 

@@ -11,6 +11,7 @@ namespace {
 // Peer's landmarks looked at in one frame by the search for duplicates: bounded work each frame.
 constexpr int kSweepPerFrame = 96;
 constexpr float kDuplicateNcc = 0.6F;
+constexpr double kPairsAlike = 10.0;
 
 // Which hypothesis to give up when there is no room: first those that no longer say anything about
 // what is in view, then the least likely.
@@ -180,8 +181,7 @@ void Fleet::propose(Peer& peer, const ObservedFrame& frame, const Pose2& T_own_r
   }
 }
 
-void Fleet::test(Peer& peer, const ObservedFrame& frame, const Map& map,
-                 const Pose2& T_own_robot) {
+void Fleet::test(Peer& peer, const ObservedFrame& frame, const Map& map, const Pose2& T_own_robot) {
   for (Hypothesis& h : peer.hypotheses) {
     if (!h.used) continue;
     const FrameTest result = test_hypothesis(h, frame, peer.map, T_own_robot, test_);
@@ -291,8 +291,7 @@ void Fleet::search_duplicates(Peer& peer, const Map& map, Hypothesis& h) {
     peer.swept.expected += any ? 1 : 0;
     if (best_slot >= 0) {
       ++peer.swept.hits;
-      confirm_pair(h,
-                   {best_slot, own[static_cast<std::size_t>(best_slot)].id, slot_of_peer, 1});
+      confirm_pair(h, {best_slot, own[static_cast<std::size_t>(best_slot)].id, slot_of_peer, 1});
     }
     if (peer.sweep == 0) break;  // a walk is over
   }
@@ -315,12 +314,12 @@ void Fleet::report() {
     const Hypothesis& h = peer.hypotheses[static_cast<std::size_t>(peer.leader)];
     a.state = peer.merged ? AlignmentState::kMerged : AlignmentState::kCandidate;
     a.T_own_peer = h.T_own_peer;
-    a.covariance = h.covariance;
+    // Landmarks of one stretch share its error: about so many tell one independent thing.
+    a.covariance = h.covariance * std::max(1.0, static_cast<double>(h.pairs.size()) / kPairsAlike);
     a.confidence = h.confidence.value();
     a.correspondences = static_cast<int>(h.pairs.size());
     for (const LandmarkPair& p : h.pairs) {
-      peer.pairs[peer.pair_count++] = {p.own_id,
-                                       peer.map[p.peer_slot].id};
+      peer.pairs[peer.pair_count++] = {p.own_id, peer.map[p.peer_slot].id};
     }
     alignments_.push_back(a);
   }

@@ -19,14 +19,14 @@ namespace zenith {
 
 // What an alignment must show before it is acted upon, and when it has failed.
 struct DecisionSettings {
-  double confidence = 0.5;       // Eq. 4
-  double score = 80.0;           // log odds, see Hypothesis::score()
-  double rival_share = 0.5;      // a rival with this share of the leader's score: ambiguous
+  double confidence = 0.5;   // Eq. 4
+  double score = 80.0;       // log odds, see Hypothesis::score()
+  double rival_share = 0.5;  // a rival with this share of the leader's score: ambiguous
   int min_searches = 4;
   int min_pairs = 15;
-  double withdraw_share = 0.3;   // of the expected landmarks found: no better than a wrong one
-  double beaten_hit_share = 0.5; // enough against the leader when a rival could be merged
-  int withdraw_expected = 120;   // landmarks that could have been found, before it is judged
+  double withdraw_share = 0.3;    // of the expected landmarks found: no better than a wrong one
+  double beaten_hit_share = 0.5;  // enough against the leader when a rival could be merged
+  int withdraw_expected = 120;    // landmarks that could have been found, before it is judged
   // The own map explains the frame from another place about as well: a ceiling that repeats itself
   // cannot tell where along the repetition the robot is.
   double alike_hit_share = 0.72;
@@ -44,15 +44,15 @@ class Peer {
   Alignment alignment;  // of the leading hypothesis, or the merged one
   int leader = -1;
   bool merged = false;
-  std::span<Hypothesis> hypotheses;   // kMaxHypotheses
-  std::span<Correspondence> pairs;    // of the leader, for readers
+  std::span<Hypothesis> hypotheses;  // kMaxHypotheses
+  std::span<Correspondence> pairs;   // of the leader, for readers
   std::size_t pair_count = 0;
   bool search_due = false;
 
   // The search for duplicates walks through the peer's landmarks.
   int sweep = 0;
-  Support swept;                      // of this walk
-  int offered = -1;                   // hypothesis under test: the leader, or what the peer says
+  Support swept;     // of this walk
+  int offered = -1;  // hypothesis under test: the leader, or what the peer says
 };
 
 class Fleet {
@@ -61,8 +61,8 @@ class Fleet {
   void build(const Parameters& parameters);
 
   void receive(int peer, std::span<const LandmarkRecord> records);
-  // The peer has merged with this robot: T takes its coordinates into the own ones. Not believed but
-  // tested, map against map; both robots then go on in the common map at about the same time.
+  // The peer has merged with this robot: T takes its coordinates into the own ones. Not believed
+  // but tested, map against map; both robots then go on in the common map at about the same time.
   void offer_alignment(int peer, const Pose2& T_own_peer);
   // What this robot publishes: its own map as others know it, to see where it repeats itself.
   void receive_own(std::span<const LandmarkRecord> records);

@@ -32,8 +32,7 @@ LandmarkEstimate fuse(const LandmarkEstimate& a, const LandmarkEstimate& b) {
   return out;
 }
 
-std::size_t read_common_map(const Map& map, const Fleet& fleet,
-                            std::span<FusedLandmark> out) {
+std::size_t read_common_map(const Map& map, const Fleet& fleet, std::span<FusedLandmark> out) {
   std::size_t count = 0;
   for (const LandmarkInfo& l : map.landmarks()) {
     if (count == out.size()) return count;
@@ -49,9 +48,8 @@ std::size_t read_common_map(const Map& map, const Fleet& fleet,
       if (!l.present) continue;
       const LandmarkEstimate theirs =
           transform_landmark(l, peer.alignment.T_own_peer, peer.alignment.covariance);
-      const auto pair = std::find_if(pairs.begin(), pairs.end(), [&l](const Correspondence& c) {
-        return c.peer_id == l.id;
-      });
+      const auto pair = std::find_if(pairs.begin(), pairs.end(),
+                                     [&l](const Correspondence& c) { return c.peer_id == l.id; });
       if (pair != pairs.end()) {
         const auto end = out.begin() + static_cast<std::ptrdiff_t>(own_count);
         const auto own = std::find_if(out.begin(), end, [pair](const FusedLandmark& f) {

@@ -12,7 +12,9 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr int kHeadingBins = 72;
 
-double bearing(const Eigen::Vector2d& d) { return std::atan2(d.y(), d.x()); }
+double bearing(const Eigen::Vector2d& d) {
+  return std::atan2(d.y(), d.x());
+}
 
 // The difference, brought to within half a period.
 Eigen::Vector2d wrapped(Eigen::Vector2d d, double period) {
@@ -119,9 +121,9 @@ void HoughSearch::find_places(const ObservedFrame& frame, const PeerMap& peer,
       if (near != peaks.end()) {
         if (peak.votes > near->votes) *near = peak;
       } else if (!peaks.push_back(peak)) {
-        auto* least = std::min_element(peaks.begin(), peaks.end(), [](const Peak& a, const Peak& b) {
-          return a.votes < b.votes;
-        });
+        auto* least =
+            std::min_element(peaks.begin(), peaks.end(),
+                             [](const Peak& a, const Peak& b) { return a.votes < b.votes; });
         if (least->votes < peak.votes) *least = peak;
       }
     }
@@ -132,9 +134,8 @@ void HoughSearch::find_places(const ObservedFrame& frame, const PeerMap& peer,
     fix.votes = peak.votes;
     if (fix.inliers < settings.min_inliers) continue;
     if (out.push_back(fix)) continue;
-    auto* least = std::min_element(out.begin(), out.end(), [](const auto& a, const auto& b) {
-      return a.inliers < b.inliers;
-    });
+    auto* least = std::min_element(
+        out.begin(), out.end(), [](const auto& a, const auto& b) { return a.inliers < b.inliers; });
     if (least->inliers < fix.inliers) *least = fix;
   }
   std::sort(out.begin(), out.end(),
@@ -178,9 +179,8 @@ PlaceFix fix_place(const ObservedFrame& frame, const PeerMap& peer, const Overla
   if (best < 0) return fix;
   const auto best_bin = static_cast<std::size_t>(best);
   const double heading = ((best + 0.5) / kHeadingBins - 0.5) * 2.0 * std::numbers::pi;
-  const Eigen::Vector2d start = votes[best_bin] > 0.0F
-                                    ? Eigen::Vector2d(centre[best_bin] / votes[best_bin])
-                                    : place;
+  const Eigen::Vector2d start =
+      votes[best_bin] > 0.0F ? Eigen::Vector2d(centre[best_bin] / votes[best_bin]) : place;
   fix.T_peer_robot = {start.x(), start.y(), heading};
   double radius = 0.15 + 2.0 * settings.radius_m;
   for (int iteration = 0; iteration < 4; ++iteration) {

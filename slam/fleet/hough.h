@@ -1,11 +1,11 @@
 #pragma once
 // Where in the peer's map is the robot? Hough clustering of circles (paper III-A).
 //
-// A match says: the robot stands on a circle of radius z_r around the peer's landmark, z_r being the
-// horizontal distance at which the landmark is seen. Where many circles meet, the robot may be. The
-// patch's direction narrows a circle to an arc; an arc of 180 degrees to each side is the paper's
-// circle. The grid wraps around: places a whole grid apart share a cell, and the matches around a
-// peak tell them apart.
+// A match says: the robot stands on a circle of radius z_r around the peer's landmark, z_r being
+// the horizontal distance at which the landmark is seen. Where many circles meet, the robot may be.
+// The patch's direction narrows a circle to an arc; an arc of 180 degrees to each side is the
+// paper's circle. The grid wraps around: places a whole grid apart share a cell, and the matches
+// around a peak tell them apart.
 
 #include <span>
 
@@ -16,9 +16,9 @@
 namespace zenith {
 
 struct HoughSettings {
-  double arc_deg = 20.0;        // to each side of the direction that the patch tells
-  double radius_m = 0.25;       // a circle this near to a peak belongs to it
-  double inlier_m = 0.15;       // after the fit
+  double arc_deg = 20.0;   // to each side of the direction that the patch tells
+  double radius_m = 0.25;  // a circle this near to a peak belongs to it
+  double inlier_m = 0.15;  // after the fit
   int min_inliers = 5;
   double peak_distance_m = 0.4;
 };

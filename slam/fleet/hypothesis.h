@@ -48,9 +48,9 @@ struct Hypothesis {
   double score() const;
 };
 
-// How often an expected landmark is found under the right alignment, and under a wrong one where the
-// ceiling repeats itself. Measured on the simulated worlds: 0.86 to 0.98, and 0.3 to 0.65 (0.8 to
-// 0.89 where it repeats strictly, which is for the rivals to expose).
+// How often an expected landmark is found under the right alignment, and under a wrong one where
+// the ceiling repeats itself. Measured on the simulated worlds: 0.86 to 0.98, and 0.3 to 0.65 (0.8
+// to 0.89 where it repeats strictly, which is for the rivals to expose).
 inline constexpr double kHitWhenRight = 0.9;
 inline constexpr double kHitWhenWrong = 0.6;
 

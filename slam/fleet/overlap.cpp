@@ -9,7 +9,8 @@
 namespace zenith {
 
 bool heights_agree(const Observed& own, const PeerLandmark& peer, double tolerance_m) {
-  const double variance = own.z_sigma_m * own.z_sigma_m + static_cast<double>(peer.covariance_m2[5]);
+  const double variance =
+      own.z_sigma_m * own.z_sigma_m + static_cast<double>(peer.covariance_m2[5]);
   return std::abs(own.z_m - static_cast<double>(peer.z_m)) <
          tolerance_m + 3.0 * std::sqrt(variance);
 }

@@ -50,7 +50,9 @@ class PeerMap {
   bool apply(const LandmarkRecord& record);
 
   std::span<const PeerLandmark> landmarks() const { return landmarks_.first(count_); }
-  const PeerLandmark& operator[](int slot) const { return landmarks_[static_cast<std::size_t>(slot)]; }
+  const PeerLandmark& operator[](int slot) const {
+    return landmarks_[static_cast<std::size_t>(slot)];
+  }
   bool empty() const { return count_ == 0; }
   std::uint64_t rejected() const { return rejected_; }
 

@@ -13,7 +13,7 @@ constexpr int kMaxPeaks = 8192;
 constexpr float kHarrisK = 0.04F;
 constexpr int kCell = 32;
 constexpr int kCells = (kN + kCell - 1) / kCell;
-constexpr std::array<float, 7> kWindow = {1.0F / 64, 6.0F / 64, 15.0F / 64, 20.0F / 64,
+constexpr std::array<float, 7> kWindow = {1.0F / 64,  6.0F / 64, 15.0F / 64, 20.0F / 64,
                                           15.0F / 64, 6.0F / 64, 1.0F / 64};
 
 // Products of the gradients into three planes; the outermost pixels stay 0.
@@ -24,8 +24,8 @@ void gradient_products(const ImageView& image, float* xx, float* xy, float* yy) 
     const std::uint8_t* c = image.row(v + 1);
     const std::ptrdiff_t o = static_cast<std::ptrdiff_t>(v) * kN;
     for (int u = 1; u < kN - 1; ++u) {
-      const int gx = 3 * (a[u + 1] - a[u - 1]) + 10 * (b[u + 1] - b[u - 1]) +
-                     3 * (c[u + 1] - c[u - 1]);
+      const int gx =
+          3 * (a[u + 1] - a[u - 1]) + 10 * (b[u + 1] - b[u - 1]) + 3 * (c[u + 1] - c[u - 1]);
       const int gy = 3 * (c[u - 1] - a[u - 1]) + 10 * (c[u] - a[u]) + 3 * (c[u + 1] - a[u + 1]);
       const float fx = static_cast<float>(gx) * (1.0F / 32);
       const float fy = static_cast<float>(gy) * (1.0F / 32);
@@ -94,8 +94,7 @@ void CornerDetector::layout(Arena& arena) {
   peaks_ = arena.take<Corner>(kMaxPeaks);
 }
 
-// Local maxima of 3 x 3, each refined by the quadratic through its neighbours
-//.
+// Local maxima of 3 x 3, each refined by the quadratic through its neighbours.
 void CornerDetector::collect_peaks(int border_px) {
   peak_count_ = 0;
   for (int v = border_px; v < kN - border_px; ++v) {
@@ -146,7 +145,7 @@ void CornerDetector::detect(const ImageView& image, const CornerSettings& settin
               if (a.response != b.response) return a.response > b.response;
               return a.v_px != b.v_px ? a.v_px < b.v_px : a.u_px < b.u_px;
             });
-  std::array<int, kCells * kCells> in_cell = {};
+  std::array<int, kCells* kCells> in_cell = {};
   const auto limit = static_cast<std::size_t>(std::min(settings.max_corners, kMaxCorners));
   for (std::size_t i = 0; i < peak_count_ && corners.size() < limit; ++i) {
     const Corner& peak = peaks_[i];

@@ -25,11 +25,11 @@ struct Corner {
 using Corners = FixedVector<Corner, kMaxCorners>;
 
 struct CornerSettings {
-  double min_eigenvalue = 2.0;     // weaker corners are noise; (grey levels / px)^2
+  double min_eigenvalue = 2.0;  // weaker corners are noise; (grey levels / px)^2
   double min_distance_px = 6.0;
   int max_corners = kMaxCorners;
-  int per_cell = 3;                // at most, in a cell of 32 x 32 pixels: the spread
-  int border_px = 13;              // room for a rotated patch
+  int per_cell = 3;    // at most, in a cell of 32 x 32 pixels: the spread
+  int border_px = 13;  // room for a rotated patch
 };
 
 // Plane of responses, kRectifiedSize x kRectifiedSize; 0 where there is no corner (border, edge,

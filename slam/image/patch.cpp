@@ -39,8 +39,8 @@ struct DctTable {
     for (int k = 0; k < 8; ++k) {
       const double norm = k == 0 ? std::sqrt(1.0 / kPatchSize) : std::sqrt(2.0 / kPatchSize);
       for (int i = 0; i < kPatchSize; ++i) {
-        basis[k][i] = static_cast<float>(
-            norm * std::cos(std::numbers::pi * (i + 0.5) * k / kPatchSize));
+        basis[k][i] =
+            static_cast<float>(norm * std::cos(std::numbers::pi * (i + 0.5) * k / kPatchSize));
       }
     }
     std::size_t n = 0;

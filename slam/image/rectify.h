@@ -42,7 +42,7 @@ struct RemapEntry {
   std::uint32_t offset = 0;  // of the upper left pixel, in a frame without padding
   std::uint8_t weight_u = 0;
   std::uint8_t weight_v = 0;
-  std::uint8_t inside = 0;   // 0: the lens does not see this ray; the pixel is 0
+  std::uint8_t inside = 0;  // 0: the lens does not see this ray; the pixel is 0
 };
 
 class Rectifier {

@@ -43,7 +43,9 @@ bool is_kind(const Candidate& c, CandidateKind kind) {
   return kind == (c.old ? CandidateKind::kPromotedOld : CandidateKind::kPromotedRecent);
 }
 
-void Associator::layout(Arena& arena) { pairs_ = arena.take<Pair>(kMaxPairs); }
+void Associator::layout(Arena& arena) {
+  pairs_ = arena.take<Pair>(kMaxPairs);
+}
 
 void Associator::match(std::span<Candidate> candidates, CandidateKind kind,
                        const PoseCorrection& correction, double common_scale,
@@ -67,7 +69,8 @@ void Associator::match(std::span<Candidate> candidates, CandidateKind kind,
       const double r2 = d.squaredNorm();
       if (r2 > settings.max_radius * settings.max_radius) continue;
       if (r2 > settings.min_radius * settings.min_radius && d.dot(W * d) > gate2) continue;
-      const auto direction = static_cast<float>(wrap_angle(heading_rad + static_cast<double>(f.orientation_rad)));
+      const auto direction =
+          static_cast<float>(wrap_angle(heading_rad + static_cast<double>(f.orientation_rad)));
       const float ncc = map.best_ncc(c.slot, f.patch, direction, settings.max_turn_rad);
       if (ncc < settings.ncc_min || count == pairs_.size()) continue;
       // Between equal looks the nearer one wins.

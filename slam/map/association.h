@@ -18,21 +18,21 @@ namespace zenith {
 // A landmark predicted into the image, averaged over the particles.
 struct Candidate {
   int slot = -1;
-  bool promoted = false;       // or as good as: it may steer
-  bool old = false;            // not seen for a long way: perhaps the loop closes
-  bool well_inside = false;    // a detector should find it
+  bool promoted = false;     // or as good as: it may steer
+  bool old = false;          // not seen for a long way: perhaps the loop closes
+  bool well_inside = false;  // a detector should find it
   Eigen::Vector2d m = Eigen::Vector2d::Zero();
   Eigen::Matrix2d own = Eigen::Matrix2d::Zero();     // S: landmark and measurement noise
   Eigen::Matrix2d common = Eigen::Matrix2d::Zero();  // spread of the particles, odometry, drift
   Eigen::Matrix<double, 2, 3> G = Eigen::Matrix<double, 2, 3>::Zero();  // by (forward, left, turn)
-  int corner = -1;             // the match
+  int corner = -1;                                                      // the match
   float ncc = 0.0F;
   bool inlier = false;
 };
 
 struct AssociationSettings {
   double gate_sigma = 3.5;
-  double max_radius = 0.25;       // tangents; beyond, the ceiling repeats itself
+  double max_radius = 0.25;  // tangents; beyond, the ceiling repeats itself
   double min_radius = 0.015;
   float ncc_min = 0.65F;
   float max_turn_rad = 0.6F;
@@ -53,8 +53,7 @@ class Associator {
   void layout(Arena& arena);
   void match(std::span<Candidate> candidates, CandidateKind kind, const PoseCorrection& correction,
              double common_scale, std::span<const Feature> features, const Map& map,
-             double heading_rad, const AssociationSettings& settings,
-             std::span<bool> corner_used);
+             double heading_rad, const AssociationSettings& settings, std::span<bool> corner_used);
 
  private:
   struct Pair {

@@ -20,9 +20,9 @@ struct LandmarkInfo {
   std::int32_t first_appearance = -1;
   std::int32_t appearance_count = 0;
   std::int32_t observations = 0;
-  std::int32_t chances = 0;         // frames in which it was predicted well inside the image
+  std::int32_t chances = 0;  // frames in which it was predicted well inside the image
   std::int32_t misses_in_row = 0;
-  double last_seen_way_m = 0.0;     // Map::way_m() when it was last seen
+  double last_seen_way_m = 0.0;  // Map::way_m() when it was last seen
 
   // Weighted over the particles when it was last brought up to date; own start frame.
   float x_m = 0.0F;

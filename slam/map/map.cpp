@@ -170,7 +170,8 @@ void Map::refresh_place(int slot, const double* weight, double camera_z_m) {
 void Map::resampled(std::span<const std::uint16_t> parents) {
   ancestry_.push(parents);
   for (int k = 0; k < kSweepLandmarks; ++k) {
-    if (info(sweep_landmark_).state != LandmarkState::kFree) rows_.bring(sweep_landmark_, ancestry_);
+    if (info(sweep_landmark_).state != LandmarkState::kFree)
+      rows_.bring(sweep_landmark_, ancestry_);
     sweep_landmark_ = (sweep_landmark_ + 1) % kMaxLandmarks;
   }
   for (int k = 0; k < kSweepAnchors; ++k) {

@@ -6,8 +6,8 @@
 
 #include "platform/base/arena.h"
 #include "slam/filter/ancestry.h"
-#include "slam/filter/landmark.h"
 #include "slam/filter/calibration.h"
+#include "slam/filter/landmark.h"
 #include "slam/map/landmark_info.h"
 
 namespace zenith {
@@ -37,7 +37,9 @@ class Map {
   // How landmark and anchor depend on the camera's calibration (see calibration.h), and the
   // calibration that rows() moves them to.
   void set_calibration(const Eigen::Vector3d& beta) { calibration_ = beta; }
-  LandmarkSensitivity& by_calibration(int slot) { return calibrations_[static_cast<std::size_t>(slot)].B; }
+  LandmarkSensitivity& by_calibration(int slot) {
+    return calibrations_[static_cast<std::size_t>(slot)].B;
+  }
   const PoseSensitivity& anchor_by_calibration(int slot) const {
     return anchor_calibrations_[static_cast<std::size_t>(info(slot).anchor)].A;
   }
@@ -52,7 +54,9 @@ class Map {
   // the ancestry remembers.
   void resampled(std::span<const std::uint16_t> parents);
 
-  std::span<LandmarkInfo> landmarks() { return infos_.first(static_cast<std::size_t>(slots_used_)); }
+  std::span<LandmarkInfo> landmarks() {
+    return infos_.first(static_cast<std::size_t>(slots_used_));
+  }
   std::span<const LandmarkInfo> landmarks() const {
     return infos_.first(static_cast<std::size_t>(slots_used_));
   }
