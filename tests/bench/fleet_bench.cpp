@@ -1,0 +1,107 @@
+// The search for common landmarks in a peer's map, from one frame that shows 60: real looks from
+// rendered frames, scattered over 500 m2; four looks of each, all at heights that agree.
+
+#include <benchmark/benchmark.h>
+
+#include "platform/base/random.h"
+#include "slam/fleet/hough.h"
+#include "tests/bench/rendered_drive.h"
+
+namespace zenith::bench {
+namespace {
+
+constexpr int kObserved = 60;
+constexpr int kLooks = 4;
+
+class FleetRig {
+ public:
+  explicit FleetRig(int landmarks)
+      : block_([this](Arena& arena) {
+          peer_.layout(arena);
+          hough_.layout(arena);
+          matches_ = arena.take<OverlapMatches>(1);
+        }) {
+    collect_looks();
+    for (int i = 0; i < landmarks; ++i) add_landmark(static_cast<std::uint32_t>(i));
+  }
+
+  const ObservedFrame& frame() const { return frame_; }
+  const PeerMap& peer() const { return peer_; }
+  HoughSearch& hough() { return hough_; }
+  OverlapMatches& matches() { return matches_[0]; }
+
+ private:
+  void collect_looks() {
+    ExtractorRig extractor(corridor_rooms().robot);
+    for (std::size_t i = 20; i < corridor_rooms().frames.size(); i += 5) {
+      for (const Feature& f : extractor->extract(corridor_rooms().image(i))) {
+        if (f.described) looks_.push_back(f);
+      }
+    }
+  }
+
+  // The first landmarks are what the frame shows, around the origin with heading 0.
+  void add_landmark(std::uint32_t id) {
+    const Feature& f = looks_[id * 7 % looks_.size()];
+    const Eigen::Vector2d from_robot(2.25 * static_cast<double>(f.zx),
+                                     2.25 * static_cast<double>(f.zy));
+    LandmarkRecord r;
+    r.id = id + 1;
+    r.revision = 1;
+    const bool visible = id < kObserved;
+    r.x_m = static_cast<float>(visible ? from_robot.x() : random_.uniform(-11.0, 11.0));
+    r.y_m = static_cast<float>(visible ? from_robot.y() : random_.uniform(-11.0, 11.0));
+    r.z_m = static_cast<float>(2.55 + 0.03 * random_.normal());
+    r.covariance_m2 = {1e-4F, 0.0F, 0.0F, 1e-4F, 0.0F, 4e-4F};
+    r.observations = 20;
+    for (std::uint8_t k = 0; k < kLooks; ++k) {
+      const Feature& look = k == 0 ? f : looks_[(id * 7 + k * 1009u) % looks_.size()];
+      r.appearances[k] = {look.compact.values, look.orientation_rad};
+    }
+    r.appearance_count = kLooks;
+    if (!peer_.apply(r) || !visible) return;
+    Observed o;
+    o.slot = static_cast<int>(id);
+    o.id = id + 1;
+    o.from_robot_m = o.place_m = from_robot;
+    o.covariance_m2 = 1e-4 * Eigen::Matrix2d::Identity();
+    o.z_m = 2.55;
+    o.z_sigma_m = 0.02;
+    o.orientation_rad = f.orientation_rad;
+    o.compact = f.compact;
+    frame_.push_back(o);
+  }
+
+  Random random_{3};
+  std::vector<Feature> looks_;
+  ObservedFrame frame_;
+  PeerMap peer_;
+  HoughSearch hough_;
+  std::span<OverlapMatches> matches_;
+  ArenaBlock block_;
+};
+
+void overlap_search(benchmark::State& state) {
+  FleetRig rig(static_cast<int>(state.range(0)));
+  for (auto _ : state) {
+    find_overlap(rig.frame(), rig.peer(), OverlapSettings{}, rig.matches());
+    benchmark::DoNotOptimize(rig.matches().size());
+  }
+  state.counters["matches"] = static_cast<double>(rig.matches().size());
+}
+BENCHMARK(overlap_search)->Arg(500)->Arg(2000)->Arg(4000)->Unit(benchmark::kMicrosecond);
+
+void hough_places(benchmark::State& state) {
+  FleetRig rig(2000);
+  find_overlap(rig.frame(), rig.peer(), OverlapSettings{}, rig.matches());
+  PlaceFixes fixes;
+  for (auto _ : state) {
+    rig.hough().find_places(rig.frame(), rig.peer(), rig.matches(), HoughSettings{}, fixes);
+    benchmark::DoNotOptimize(fixes.size());
+  }
+  state.counters["inliers"] = fixes.empty() ? 0.0 : fixes[0].inliers;
+}
+BENCHMARK(hough_places)->Unit(benchmark::kMicrosecond);
+
+}  // namespace
+}  // namespace zenith::bench

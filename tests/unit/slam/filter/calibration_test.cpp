@@ -1,0 +1,209 @@
+// The calibration's sensitivities against numbers, and that what they learn is the truth.
+
+#include "slam/filter/calibration.h"
+
+#include <gtest/gtest.h>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
+#include "slam/image/lens.h"
+#include "tests/support/landmark_rig.h"
+#include "tests/support/seeds.h"
+
+namespace zenith {
+namespace {
+
+constexpr double kNoise = 1.2e-4;
+constexpr double kStep = 1e-6;
+const Eigen::Vector2d kLever(0.12, -0.07);
+
+Eigen::Vector2d tangents(const Eigen::Vector3d& ray) {
+  return ray.head<2>() / ray.z();
+}
+
+// C(z) against the geometry: a camera that leans forward or to the left, and an equidistant lens
+// whose focal length is larger than believed; derivatives by central differences.
+TEST(Calibration, EffectIsTheDerivativeOfTheGeometry) {
+  const TestSeed seed;
+  Random random(seed.value());
+  for (int trial = 0; trial < 200; ++trial) {
+    const Eigen::Vector2d z(random.uniform(-1.5, 1.5), random.uniform(-1.5, 1.5));
+    const Eigen::Vector3d ray(z.x(), z.y(), 1.0);
+    const auto turned = [&](const Eigen::Vector3d& axis, double angle) {
+      return tangents(Eigen::AngleAxisd(angle, axis) * ray);
+    };
+    const auto stretched = [&](double share) -> Eigen::Vector2d {
+      const double r = z.norm();
+      return z * std::tan(std::atan(r) * (1.0 + share)) / r;
+    };
+    Eigen::Matrix<double, 2, 3> numeric;
+    // To lean forward is to turn about y, to lean left about -x.
+    numeric.col(0) =
+        turned(Eigen::Vector3d::UnitY(), kStep) - turned(Eigen::Vector3d::UnitY(), -kStep);
+    numeric.col(1) =
+        turned(-Eigen::Vector3d::UnitX(), kStep) - turned(-Eigen::Vector3d::UnitX(), -kStep);
+    numeric.col(2) = stretched(kStep) - stretched(-kStep);
+    numeric /= 2.0 * kStep;
+    ASSERT_LT((calibration_effect(z) - numeric).norm(), 1e-7) << z.transpose();
+  }
+  EXPECT_TRUE(calibration_effect(Eigen::Vector2d::Zero()).allFinite());
+}
+
+// One observation as a function of everything that it depends on.
+struct Sight {
+  Pose2 anchor;
+  Pose2 robot;
+  LandmarkGaussian landmark;
+
+  Eigen::Vector2d m(const Eigen::Vector3d& d_landmark, const Eigen::Vector3d& d_robot,
+                    const Eigen::Vector3d& d_anchor) const {
+    const auto moved = [](const Pose2& p, const Eigen::Vector3d& d) {
+      const Pose2 q = {p.x_m + d[0], p.y_m + d[1], p.theta_rad + d[2]};
+      return CameraPose{q * kLever, rotation(q.theta_rad)};
+    };
+    return reference_h(moved(anchor, d_anchor), moved(robot, d_robot)) * (landmark.x + d_landmark);
+  }
+};
+
+struct Rig {
+  LandmarkRig landmark{1};
+  CameraRig camera{1};
+  Sight sight;
+
+  explicit Rig(Random& random) {
+    sight = {random_pose(random, 1.0), random_pose(random, 1.0),
+             random_landmark(random, 0.01, 0.03)};
+    const auto camera_pose = [](const Pose2& p) {
+      const Eigen::Vector2d c = p * kLever;
+      return Pose2{c.x(), c.y(), p.theta_rad};
+    };
+    landmark.anchor.set(0, camera_pose(sight.anchor));
+    landmark.set(0, sight.landmark);
+    camera.set(0, camera_pose(sight.robot));
+  }
+  ObservationModel model() { return linearise(landmark.rows(), camera.rows(), 0, kLever, kNoise); }
+};
+
+TEST(Calibration, ObservationJacobiansAgreeWithNumbers) {
+  const TestSeed seed;
+  Random random(seed.value());
+  const Eigen::Vector3d none = Eigen::Vector3d::Zero();
+  for (int trial = 0; trial < 200; ++trial) {
+    Rig rig(random);
+    const ObservationModel model = rig.model();
+    Eigen::Matrix<double, 2, 3> H;
+    Eigen::Matrix<double, 2, 3> J_t;
+    Eigen::Matrix<double, 2, 3> J_a;
+    for (int i = 0; i < 3; ++i) {
+      const Eigen::Vector3d e = kStep * Eigen::Vector3d::Unit(i);
+      const Sight& s = rig.sight;
+      H.col(i) = (s.m(e, none, none) - s.m(-e, none, none)) / (2.0 * kStep);
+      J_t.col(i) = (s.m(none, e, none) - s.m(none, -e, none)) / (2.0 * kStep);
+      J_a.col(i) = (s.m(none, none, e) - s.m(none, none, -e)) / (2.0 * kStep);
+    }
+    ASSERT_LT((model.by_landmark - H).norm(), 1e-5) << "trial " << trial;
+    ASSERT_LT((model.by_pose - J_t).norm(), 1e-5) << "trial " << trial;
+    ASSERT_LT((model.by_anchor - J_a).norm(), 1e-5) << "trial " << trial;
+    const Eigen::Matrix3d P = rig.landmark.get(0).P;
+    const Eigen::Matrix2d S = H * P * H.transpose() + kNoise * Eigen::Matrix2d::Identity();
+    const Eigen::Matrix<double, 3, 2> K = P * H.transpose() * S.inverse();
+    ASSERT_LT((model.gain - K).norm(), 1e-4 * K.norm()) << "trial " << trial;
+  }
+}
+
+// D = d (z - m) / d beta when landmark, pose and anchor each move with beta by their own
+// sensitivity, and what is seen is z_true - C beta.
+TEST(Calibration, ResidualSensitivityAgreesWithNumbers) {
+  const TestSeed seed;
+  Random random(seed.value());
+  const auto random_matrix = [&random] {
+    Eigen::Matrix3d M;
+    for (double& x : M.reshaped()) x = random.uniform(-1.0, 1.0);
+    return M;
+  };
+  for (int trial = 0; trial < 200; ++trial) {
+    Rig rig(random);
+    const LandmarkSensitivity B = random_matrix();
+    const PoseSensitivity A_t = random_matrix();
+    const PoseSensitivity A_a = random_matrix();
+    const Eigen::Vector2d z(random.uniform(-1.2, 1.2), random.uniform(-1.2, 1.2));
+    const auto residual = [&](const Eigen::Vector3d& beta) -> Eigen::Vector2d {
+      return z - calibration_effect(z) * beta - rig.sight.m(B * beta, A_t * beta, A_a * beta);
+    };
+    Eigen::Matrix<double, 2, 3> numeric;
+    for (int i = 0; i < 3; ++i) {
+      const Eigen::Vector3d e = kStep * Eigen::Vector3d::Unit(i);
+      numeric.col(i) = (residual(e) - residual(-e)) / (2.0 * kStep);
+    }
+    const auto D = residual_sensitivity(rig.model(), z, B, A_t, A_a);
+    ASSERT_LT((D - numeric).norm(), 2e-5) << "trial " << trial;
+  }
+}
+
+// Residuals made from a known beta and unknown pose errors: the estimate comes to it, and each
+// frame's verdict leaves out what the pose explains.
+TEST(Calibration, EstimatorFindsTheTruth) {
+  const TestSeed seed;
+  Random random(seed.value());
+  const Eigen::Vector3d truth(0.002, -0.0015, 0.0);
+  CalibrationEstimator estimator;
+  estimator.reset(0.004, 0.0);
+  ASSERT_TRUE(estimator.enabled());
+  const double before = estimator.covariance()(0, 0);
+  const Eigen::Matrix2d weight = Eigen::Matrix2d::Identity() / kNoise;
+  for (int frame = 0; frame < 400; ++frame) {
+    const Eigen::Vector3d xi(0.01 * random.normal(), 0.01 * random.normal(),
+                             0.01 * random.normal());
+    estimator.begin_frame(Eigen::Vector3d(1e4, 1e4, 1e4).asDiagonal());
+    for (int n = 0; n < 30; ++n) {
+      const Eigen::Vector2d z(random.uniform(-1.3, 1.3), random.uniform(-1.3, 1.3));
+      Eigen::Matrix<double, 2, 3> G;
+      G << -0.4, 0.0, z.y(), 0.0, -0.4, -z.x();
+      const Eigen::Matrix<double, 2, 3> D = -calibration_effect(z);
+      const Eigen::Vector2d noise(random.normal(), random.normal());
+      estimator.add(D * (truth - estimator.beta()) + G * xi + std::sqrt(kNoise) * noise, G, D,
+                    weight);
+    }
+    estimator.end_frame();
+  }
+  const Eigen::Vector3d error = estimator.beta() - truth;
+  const Eigen::Matrix3d P = estimator.covariance();
+  EXPECT_LT(P(0, 0), 0.05 * before);
+  EXPECT_LT(std::abs(error.x()), 5.0 * std::sqrt(P(0, 0)));
+  EXPECT_LT(std::abs(error.y()), 5.0 * std::sqrt(P(1, 1)));
+  EXPECT_LT(error.head<2>().norm(), 2e-4);
+}
+
+// The pose's share of a frame, with beta marginalised out, equals the joint normal equations.
+TEST(Calibration, PoseGainSolvesTheNormalEquations) {
+  const TestSeed seed;
+  Random random(seed.value());
+  CalibrationEstimator estimator;
+  estimator.reset(0.004, 0.0);
+  const Eigen::Matrix3d prior = Eigen::Vector3d(3e3, 2e3, 1e3).asDiagonal();
+  estimator.begin_frame(prior);
+  Eigen::Matrix3d xx = prior;
+  Eigen::Matrix3d xb = Eigen::Matrix3d::Zero();
+  for (int n = 0; n < 10; ++n) {
+    const Eigen::Vector2d z(random.uniform(-1.3, 1.3), random.uniform(-1.3, 1.3));
+    Eigen::Matrix<double, 2, 3> G;
+    G << -0.4, 0.0, z.y(), 0.0, -0.4, -z.x();
+    const Eigen::Matrix<double, 2, 3> D = -calibration_effect(z);
+    const Eigen::Matrix2d W = Eigen::Vector2d(5e3, 8e3).asDiagonal();
+    estimator.add(Eigen::Vector2d::Zero(), G, D, W);
+    xx += G.transpose() * W * G;
+    xb += G.transpose() * W * D;
+  }
+  const Eigen::Matrix3d expected = xx.inverse() * xb;
+  EXPECT_LT((estimator.pose_gain() - expected).norm(), 1e-9 * expected.norm());
+}
+
+TEST(Calibration, ZeroTiltSwitchesItOff) {
+  CalibrationEstimator estimator;
+  estimator.reset(0.0, 0.01);
+  EXPECT_FALSE(estimator.enabled());
+  EXPECT_TRUE(estimator.beta().isZero(0.0));
+}
+
+}  // namespace
+}  // namespace zenith

@@ -1,0 +1,89 @@
+#include "slam/filter/particles.h"
+
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/arena_block.h"
+
+namespace zenith {
+namespace {
+
+struct Set {
+  Particles particles;
+  ArenaBlock block;
+  explicit Set(int n) : block([this, n](Arena& arena) { particles.layout(arena, n); }) {}
+};
+
+TEST(Particles, WeightsAreNormalisedFromLogs) {
+  Set set(4);
+  Particles& p = set.particles;
+  const double offset = -12345.0;  // common, and far below what exp() could take
+  for (std::size_t i = 0; i < 4; ++i) {
+    p.log_weight[i] = offset + std::log(static_cast<double>(i + 1));
+  }
+  const double effective = normalise_weights(p);
+  double sum = 0.0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_NEAR(p.weight[i], static_cast<double>(i + 1) / 10.0, 1e-9);
+    sum += p.weight[i];
+  }
+  EXPECT_NEAR(sum, 1.0, 1e-12);
+  EXPECT_NEAR(effective, 100.0 / 30.0, 1e-8);
+  EXPECT_EQ(p.log_weight[3], 0.0);
+}
+
+TEST(Particles, EqualWeightsCountAllAndOneCountsOne) {
+  Set set(50);
+  for (double& w : set.particles.log_weight) w = -7.0;
+  EXPECT_NEAR(normalise_weights(set.particles), 50.0, 1e-9);
+  set.particles.log_weight[17] = 1e4;
+  EXPECT_NEAR(normalise_weights(set.particles), 1.0, 1e-12);
+  EXPECT_EQ(set.particles.weight[17], 1.0);
+}
+
+TEST(Particles, MeanHeadingCrossesPi) {
+  Set set(2);
+  Particles& p = set.particles;
+  p.set_pose(0, {1.0, 2.0, std::numbers::pi - 0.1});
+  p.set_pose(1, {3.0, 2.0, -std::numbers::pi + 0.3});
+  p.weight[0] = 0.5;
+  p.weight[1] = 0.5;
+  const PoseEstimate e = estimate_pose(p);
+  EXPECT_NEAR(wrap_angle(e.mean.theta_rad - (std::numbers::pi + 0.1)), 0.0, 1e-12);
+  EXPECT_NEAR(e.mean.x_m, 2.0, 1e-12);
+  EXPECT_NEAR(e.covariance(0, 0), 1.0, 1e-12);
+  EXPECT_NEAR(e.covariance(1, 1), 0.0, 1e-12);
+  EXPECT_NEAR(e.covariance(2, 2), 0.04, 1e-12);
+  EXPECT_NEAR(e.covariance(0, 2), 0.2, 1e-12);
+}
+
+TEST(Particles, WeightsCountInTheEstimate) {
+  Set set(2);
+  set.particles.set_pose(0, {0.0, 0.0, 0.0});
+  set.particles.set_pose(1, {4.0, 0.0, 0.0});
+  set.particles.weight[0] = 0.75;
+  set.particles.weight[1] = 0.25;
+  const PoseEstimate e = estimate_pose(set.particles);
+  EXPECT_NEAR(e.mean.x_m, 1.0, 1e-12);
+  EXPECT_NEAR(e.covariance(0, 0), 3.0, 1e-12);
+}
+
+TEST(Particles, CamerasSitAtTheLever) {
+  Set set(3);
+  const Eigen::Vector2d lever(0.2, -0.1);
+  const Pose2 poses[3] = {{1.0, 2.0, 0.0}, {-3.0, 0.5, 1.2}, {100.0, -80.0, -2.9}};
+  for (int i = 0; i < 3; ++i) set.particles.set_pose(i, poses[i]);
+  place_cameras(set.particles, lever);
+  for (int i = 0; i < 3; ++i) {
+    const Eigen::Vector2d at = poses[i] * lever;
+    const CameraRows& camera = set.particles.camera;
+    EXPECT_NEAR(static_cast<double>(camera.x[i]), at.x(), 1e-5);
+    EXPECT_NEAR(static_cast<double>(camera.y[i]), at.y(), 1e-5);
+    EXPECT_NEAR(static_cast<double>(camera.cos[i]), std::cos(poses[i].theta_rad), 1e-7);
+    EXPECT_NEAR(static_cast<double>(camera.sin[i]), std::sin(poses[i].theta_rad), 1e-7);
+  }
+}
+
+}  // namespace
+}  // namespace zenith

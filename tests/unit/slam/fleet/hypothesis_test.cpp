@@ -1,0 +1,143 @@
+#include "slam/fleet/hypothesis.h"
+
+#include <memory>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/seeds.h"
+#include "tests/unit/slam/fleet/own_map.h"
+
+namespace zenith {
+namespace {
+
+using point_world::OwnMapRig;
+using point_world::PeerRig;
+using point_world::PointWorld;
+
+TEST(Hypothesis, ScoreIsTheLogOddsOfItsWindow) {
+  Hypothesis h;
+  EXPECT_EQ(h.score(), 0.0);
+  h.window[0] = {20, 20};
+  h.window[5] = {10, 15};
+  EXPECT_EQ(h.hits(), 30);
+  EXPECT_EQ(h.expected(), 35);
+  EXPECT_NEAR(h.score(), 30.0 * std::log(0.9 / 0.6) + 5.0 * std::log(0.1 / 0.4), 1e-12);
+  // A miss outweighs three hits: a wrong alignment that finds 60 % loses.
+  Hypothesis wrong;
+  wrong.window.fill({12, 20});
+  EXPECT_LT(wrong.score(), 0.0);
+  Hypothesis right;
+  right.window.fill({18, 20});
+  EXPECT_GT(right.score(), 0.0);
+}
+
+TEST(Hypothesis, PairsAreConfirmedAndContested) {
+  auto h = std::make_unique<Hypothesis>();
+  EXPECT_TRUE(confirm_pair(*h, {3, 30, 7, 1}));
+  EXPECT_TRUE(confirm_pair(*h, {3, 30, 7, 1}));
+  ASSERT_EQ(h->pairs.size(), 1U);
+  EXPECT_EQ(h->pairs[0].seen, 2);
+  EXPECT_FALSE(confirm_pair(*h, {4, 40, 7, 1}));  // the peer's landmark has a partner
+  EXPECT_EQ(h->pairs[0].own_slot, 3);
+  EXPECT_TRUE(confirm_pair(*h, {4, 40, 7, 1}));  // once more, and the partner gives way
+  ASSERT_EQ(h->pairs.size(), 1U);
+  EXPECT_EQ(h->pairs[0].own_slot, 4);
+}
+
+TEST(Hypothesis, FullOfPairsRejects) {
+  auto h = std::make_unique<Hypothesis>();
+  for (int i = 0; i < kMaxCorrespondences; ++i) {
+    ASSERT_TRUE(confirm_pair(*h, {i, static_cast<std::uint32_t>(i), i, 1}));
+  }
+  EXPECT_FALSE(confirm_pair(*h, {9999, 9999, 9999, 1}));
+  EXPECT_TRUE(confirm_pair(*h, {5, 5, 5, 1}));
+}
+
+TEST(Hypothesis, SameAlignmentIsJudgedWhereTheRobotIs) {
+  const Pose2 a = {1.0, 2.0, 0.5};
+  EXPECT_TRUE(same_alignment(a, a, {0.0, 0.0}));
+  EXPECT_TRUE(same_alignment(a, {1.2, 2.1, 0.5}, {0.0, 0.0}));
+  EXPECT_FALSE(same_alignment(a, {1.5, 2.0, 0.5}, {0.0, 0.0}));
+  EXPECT_FALSE(same_alignment(a, {1.0, 2.0, 0.7}, {1.0, 2.0}));
+  // Three degrees apart: the same near the pivot, another one 20 m from it.
+  const Pose2 b = {1.0, 2.0, 0.55};
+  EXPECT_TRUE(same_alignment(a, b, {1.0, 2.0}));
+  EXPECT_FALSE(same_alignment(a, b, {21.0, 2.0}));
+}
+
+// The robot's start frame is the world; the peer's is elsewhere.
+struct Scene {
+  Random random;
+  PointWorld world;
+  OwnMapRig own;
+  Pose2 T_peer_world = {3.0, -2.0, 1.1};
+  PeerRig peer;
+  ObservedFrame frame;
+  Pose2 T_own_robot = {0.5, 0.3, -0.4};
+  Hypothesis h;
+
+  explicit Scene(std::uint64_t seed)
+      : random(seed),
+        world(PointWorld::scatter(random, 120, -6.0, 6.0, -6.0, 6.0)),
+        peer(world, T_peer_world) {
+    for (const auto& l : world.landmarks) own.add(l);
+    observe_near(world, T_own_robot, 3.0, 0.01, random, frame);
+    h.covariance = Eigen::Vector3d(0.0025, 0.0025, 0.0004).asDiagonal();
+    h.T_own_peer = T_peer_world.inverse();
+  }
+};
+
+TEST(Hypothesis, TheRightOneFindsWhatItExpects) {
+  const TestSeed seed;
+  const auto s = std::make_unique<Scene>(seed.value());
+  const FrameTest test = test_hypothesis(s->h, s->frame, s->peer.map, s->T_own_robot, {});
+  EXPECT_EQ(test.support.expected, static_cast<int>(s->frame.size()));
+  EXPECT_GE(test.support.hits, test.support.expected - 1);
+  ASSERT_TRUE(test.found);
+  const Pose2 truth = s->T_peer_world * s->T_own_robot;
+  EXPECT_LT((test.T_peer_robot.position() - truth.position()).norm(), 0.02);
+  EXPECT_NEAR(wrap_angle(test.T_peer_robot.theta_rad - truth.theta_rad), 0.0, 0.01);
+  EXPECT_EQ(s->h.pairs.size(), static_cast<std::size_t>(test.support.hits));
+  for (const LandmarkPair& p : s->h.pairs) EXPECT_EQ(p.own_slot, p.peer_slot);
+}
+
+TEST(Hypothesis, AWrongOneFindsLittle) {
+  const TestSeed seed;
+  const auto s = std::make_unique<Scene>(seed.value());
+  s->h.T_own_peer = Pose2{1.0, 0.7, 0.0} * s->T_peer_world.inverse();
+  const FrameTest test = test_hypothesis(s->h, s->frame, s->peer.map, s->T_own_robot, {});
+  EXPECT_GE(test.support.expected, 5);
+  EXPECT_LT(test.support.hits, test.support.expected / 3);
+  EXPECT_LT(s->h.score(), 0.0);
+}
+
+TEST(Hypothesis, WhereThePeerHasNothingNothingIsExpected) {
+  const TestSeed seed;
+  const auto s = std::make_unique<Scene>(seed.value());
+  s->h.T_own_peer = Pose2{100.0, 0.0, 0.0} * s->T_peer_world.inverse();
+  const FrameTest test = test_hypothesis(s->h, s->frame, s->peer.map, s->T_own_robot, {});
+  EXPECT_EQ(test.support.expected, 0);
+  EXPECT_FALSE(test.found);
+  EXPECT_EQ(s->h.score(), 0.0);
+}
+
+TEST(Hypothesis, RefitFollowsThePairsAndForgetsTheDead) {
+  const TestSeed seed;
+  const auto s = std::make_unique<Scene>(seed.value());
+  for (int i = 0; i < 40; ++i) confirm_pair(s->h, {i, s->own.map.info(i).id, i, 1});
+  s->h.T_own_peer = Pose2{0.05, -0.05, 0.02} * s->T_peer_world.inverse();
+  s->own.map.remove(3);
+  LandmarkRecord removal = record_of(s->world.landmarks[5], 6, 2, s->T_peer_world);
+  removal.removed = true;
+  s->peer.map.apply(removal);
+  s->own.move(8, s->world.landmarks[8].p_m + Eigen::Vector3d(1.0, 0.0, 0.0));
+  refit(s->h, s->own.map, s->peer.map);
+  EXPECT_EQ(s->h.pairs.size(), 37U);
+  const Pose2 truth = s->T_peer_world.inverse();
+  EXPECT_LT((s->h.T_own_peer.position() - truth.position()).norm(), 1e-4);
+  EXPECT_NEAR(wrap_angle(s->h.T_own_peer.theta_rad - truth.theta_rad), 0.0, 1e-4);
+  EXPECT_LT(s->h.covariance.trace(), 0.001);
+}
+
+}  // namespace
+}  // namespace zenith

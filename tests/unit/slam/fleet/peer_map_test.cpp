@@ -1,0 +1,107 @@
+#include "slam/fleet/peer_map.h"
+
+#include <algorithm>
+#include <limits>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/seeds.h"
+#include "tests/unit/slam/fleet/fleet_world.h"
+
+namespace zenith {
+namespace {
+
+using point_world::PeerRig;
+
+LandmarkRecord record(std::uint32_t id, std::uint32_t revision, float x_m) {
+  LandmarkRecord r;
+  r.id = id;
+  r.revision = revision;
+  r.x_m = x_m;
+  r.z_m = 2.5F;
+  r.covariance_m2 = {0.01F, 0.001F, 0.0F, 0.01F, 0.0F, 0.02F};
+  r.appearance_count = 1;
+  r.appearances[0].descriptor[0] = 100;
+  return r;
+}
+
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr float kInfinite = std::numeric_limits<float>::infinity();
+
+TEST(PeerMap, KeepsWhatItIsTold) {
+  PeerRig rig;
+  EXPECT_TRUE(rig.map.empty());
+  EXPECT_TRUE(rig.map.apply(record(7, 3, 1.5F)));
+  ASSERT_EQ(rig.map.landmarks().size(), 1U);
+  const PeerLandmark& l = rig.map[0];
+  EXPECT_EQ(l.id, 7U);
+  EXPECT_TRUE(l.present);
+  EXPECT_EQ(l.xy(), Eigen::Vector2d(1.5, 0.0));
+  EXPECT_EQ(l.covariance()(2, 2), static_cast<double>(0.02F));
+  EXPECT_EQ(l.appearance_count, 1);
+  EXPECT_NEAR(l.appearances[0].compact.inverse_norm, 0.01F, 1e-6F);
+}
+
+TEST(PeerMap, RefusesWhatIsNoNumberOrAbsurd) {
+  PeerRig rig;
+  std::uint64_t refused = 0;
+  const auto refuses = [&](auto&& change) {
+    LandmarkRecord r = record(1, 1, 0.0F);
+    change(r);
+    EXPECT_FALSE(rig.map.apply(r));
+    EXPECT_EQ(rig.map.rejected(), ++refused);
+    EXPECT_TRUE(rig.map.empty());
+  };
+  for (const float bad : {kNan, kInfinite, -kInfinite, 1e6F}) {
+    refuses([bad](LandmarkRecord& r) { r.x_m = bad; });
+    refuses([bad](LandmarkRecord& r) { r.y_m = bad; });
+    refuses([bad](LandmarkRecord& r) { r.z_m = bad; });
+    for (std::size_t i = 0; i < 6; ++i) {
+      refuses([bad, i](LandmarkRecord& r) { r.covariance_m2[i] = bad; });
+    }
+    refuses([bad](LandmarkRecord& r) { r.appearances[0].direction_rad = bad; });
+  }
+  for (const std::size_t variance : {0U, 3U, 5U}) {
+    refuses([variance](LandmarkRecord& r) { r.covariance_m2[variance] = -1e-6F; });
+  }
+  refuses([](LandmarkRecord& r) { r.covariance_m2[1] = 0.011F; });  // correlation above one
+  refuses([](LandmarkRecord& r) { r.appearance_count = kPublishedAppearances + 1; });
+  EXPECT_TRUE(rig.map.apply(record(1, 1, 0.0F)));
+}
+
+TEST(PeerMap, ARefusedRecordLeavesTheOldOne) {
+  PeerRig rig;
+  rig.map.apply(record(1, 1, 2.0F));
+  EXPECT_FALSE(rig.map.apply(record(1, 2, kNan)));
+  EXPECT_EQ(rig.map[0].x_m, 2.0F);
+  EXPECT_EQ(rig.map[0].revision, 1U);
+}
+
+TEST(PeerMap, RemovedLandmarksAreNotPresentAndMayReturn) {
+  PeerRig rig;
+  rig.map.apply(record(1, 1, 2.0F));
+  LandmarkRecord removal = record(1, 2, 2.0F);
+  removal.removed = true;
+  rig.map.apply(removal);
+  EXPECT_FALSE(rig.map[0].present);
+  rig.map.apply(record(1, 1, 2.0F));  // late
+  EXPECT_FALSE(rig.map[0].present);
+  rig.map.apply(record(1, 3, 2.1F));
+  EXPECT_TRUE(rig.map[0].present);
+}
+
+TEST(PeerMap, FullRejectsNewOnesAndUpdatesOldOnes) {
+  PeerRig rig;
+  for (std::uint32_t i = 0; i < kMaxPeerLandmarks; ++i) {
+    ASSERT_TRUE(rig.map.apply(record(1000 * i + 7, 1, 0.5F)));  // ids that hash into a heap
+  }
+  EXPECT_FALSE(rig.map.apply(record(3, 1, 0.5F)));
+  EXPECT_EQ(rig.map.rejected(), 1U);
+  EXPECT_TRUE(rig.map.apply(record(7, 2, 0.75F)));
+  EXPECT_EQ(rig.map[0].x_m, 0.75F);
+  EXPECT_EQ(rig.map.landmarks().size(), static_cast<std::size_t>(kMaxPeerLandmarks));
+}
+
+}  // namespace
+}  // namespace zenith
