@@ -94,7 +94,7 @@ TEST(Landmark, UpdateEqualsTheKalmanFilter) {
   const TestSeed seed;
   Random random(seed.value());
   for (int trial = 0; trial < 20; ++trial) {
-    Scene scene(random, 0.01, 0.05);
+    Scene scene(random, 0.01, 0.03);
     const LandmarkRig before = scene.landmark;
     for (int i = 0; i < kParticles; ++i) {
       const LandmarkGaussian prior = before.get(i);

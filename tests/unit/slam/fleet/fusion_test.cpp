@@ -2,6 +2,7 @@
 
 #include "slam/fleet/fusion.h"
 
+#include <algorithm>
 #include <memory>
 #include <vector>
 
@@ -83,6 +84,19 @@ TEST(Fusion, TransformMovesPlaceAndCovariance) {
   EXPECT_LT((got.covariance_m2 - got.covariance_m2.transpose()).norm(), 1e-12);
 }
 
+// Landmarks half a metre apart and more, so that none can be taken for another.
+PointWorld sparse_world(Random& random, std::size_t count) {
+  PointWorld world;
+  while (world.landmarks.size() < count) {
+    const auto next = PointWorld::scatter(random, 1, -5.0, 5.0, -5.0, 5.0).landmarks[0];
+    const bool free =
+        std::all_of(world.landmarks.begin(), world.landmarks.end(),
+                    [&next](const auto& l) { return (l.p_m - next.p_m).head(2).norm() > 0.5; });
+    if (free) world.landmarks.push_back(next);
+  }
+  return world;
+}
+
 // Own landmarks 0..59, the peer's 30..89: 30 in common.
 struct Scene {
   Random random;
@@ -93,8 +107,7 @@ struct Scene {
   Pose2 T_peer_world = {3.0, -2.0, 1.1};
   std::array<FusedLandmark, 256> out;
 
-  explicit Scene(std::uint64_t seed)
-      : random(seed), world(PointWorld::scatter(random, 90, -5.0, 5.0, -5.0, 5.0)) {
+  explicit Scene(std::uint64_t seed) : random(seed), world(sparse_world(random, 90)) {
     fleet.build({});
     for (std::size_t i = 0; i < 60; ++i) own.add(world.landmarks[i]);
     for (std::size_t i = 30; i < 90; ++i) {

@@ -41,12 +41,12 @@ struct Look {
       w[0] = random.uniform(-0.5, 0.5);
       w[1] = random.uniform(-0.5, 0.5);
       w[2] = random.uniform(0.0, 6.28);
-      w[3] = random.uniform(8.0, 16.0);
+      w[3] = random.uniform(3.0, 6.0);
     }
   }
   // Grey at (x, y) from the look's centre.
   double operator()(double x, double y) const {
-    double sum = 120.0 + 4.0 * x;
+    double sum = 120.0 + 5.0 * x;
     for (const auto& w : waves) sum += w[3] * std::sin(w[0] * x + w[1] * y + w[2]);
     return sum;
   }

@@ -3,8 +3,8 @@
 #include <memory>
 #include <numbers>
 
-#include <Eigen/LU>
 #include <gtest/gtest.h>
+#include <Eigen/LU>
 
 #include "tests/support/arena_block.h"
 #include "tests/support/point_world.h"
