@@ -30,7 +30,7 @@ struct Parameters {
   double resample_below = 0.5;
   double min_travel_m = 0.005;
   double min_turn_deg = 0.3;
-  double tilt_sigma_deg = 0.1;
+  double tilt_sigma_deg = 0.2;
   double focal_sigma = 0.0;
 
   // association
