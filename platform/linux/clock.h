@@ -1,0 +1,18 @@
+#pragma once
+// The robot's clock: CLOCK_MONOTONIC, that no one sets. It stands still while the board sleeps.
+
+#include <string>
+
+#include "platform/base/time.h"
+
+namespace zenith {
+
+Time monotonic_now();
+
+// Returns at once when `wake` has passed. Signals do not shorten it.
+void sleep_until(Time wake);
+
+// "2026-03-01 12:34:56.789" UTC, for a person who reads a log. Never compute with it: it jumps.
+std::string wall_clock_text();
+
+}  // namespace zenith
