@@ -29,8 +29,11 @@ inline constexpr int kMaxLandmarks = 4096;
 inline constexpr int kMaxAppearances = 20;
 inline constexpr int kAppearancePool = 8 * kMaxLandmarks;
 
-// Frames in which landmarks were first seen and that still carry one: 4 landmarks each on average.
-inline constexpr int kMaxAnchors = 1024;
+// Frames in which landmarks were first seen and that still carry one: 2 landmarks each on average.
+inline constexpr int kMaxAnchors = 2048;
+
+// Published landmarks that were removed since peers were last told. More: peers keep them.
+inline constexpr int kMaxRemovals = 1024;
 
 // Landmarks predicted into one frame: four times what a frame can show; the newest-seen win.
 inline constexpr int kMaxCandidates = 512;

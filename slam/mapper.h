@@ -8,6 +8,7 @@
 
 #include "platform/base/arena.h"
 #include "platform/base/random.h"
+#include "slam/counters.h"
 #include "slam/features.h"
 #include "slam/filter/calibration.h"
 #include "slam/filter/motion.h"
@@ -19,19 +20,6 @@
 #include "slam/robot.h"
 
 namespace zenith {
-
-struct MapperCounters {
-  std::uint64_t resamplings = 0;
-  std::uint64_t landmarks_created = 0;
-  std::uint64_t landmarks_promoted = 0;
-  std::uint64_t landmarks_pruned = 0;
-  std::uint64_t landmarks_evicted = 0;
-  std::uint64_t landmarks_rejected_full = 0;
-  std::uint64_t appearances_rejected_full = 0;
-  std::uint64_t candidates_rejected_full = 0;
-  std::uint64_t loops_closed = 0;
-  std::uint64_t slips = 0;
-};
 
 using Candidates = FixedVector<Candidate, kMaxCandidates>;
 
@@ -116,6 +104,7 @@ class Mapper {
   void weigh_and_move(const Features& features);
   bool near_candidate(const Feature& f) const;
   void evict_one();
+  void evict_anchor();
   Eigen::Matrix3d spread_in_body() const;
 
   RobotConfig robot_;

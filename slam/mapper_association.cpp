@@ -165,8 +165,7 @@ bool Mapper::try_loop(const Features& features, const Eigen::Matrix3d& prior,
   const double heading = p_.loop_drift_deg_per_m * kDegree * unseen_m;
   Eigen::Matrix3d drift = prior + spread_in_body();
   drift.diagonal() += Eigen::Vector3d(position * position, position * position, heading * heading);
-  PoseCorrection around = recent;
-  associator_.match(candidates, CandidateKind::kPromotedOld, around, 1.0, feats, *map_,
+  associator_.match(candidates, CandidateKind::kPromotedOld, recent, 1.0, feats, *map_,
                     pose_.mean.theta_rad, association_, corner_used_);
   const PoseCorrection found =
       find_pose(candidates, CandidateKind::kPromotedOld, feats, drift, p_.gate_sigma);

@@ -2,6 +2,7 @@
 // eviction.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "slam/mapper.h"
@@ -11,6 +12,7 @@ namespace {
 
 constexpr double kNewLandmarkDistance_px = 5.0;
 constexpr int kRefreshPerFrame = 8;
+constexpr double kInView_m = 1.0;  // seen within this way: not to be evicted
 constexpr int kEstablishedObservations = 10;
 constexpr double kTentativeWay_m = 1.0;  // a tentative landmark unseen for this long is forgotten
 
@@ -101,6 +103,7 @@ bool Mapper::start_due() const {
 
 void Mapper::start_landmarks(const Features& features) {
   first_ = false;
+  if (map_->anchors_used() == kMaxAnchors) evict_anchor();
   const int anchor = map_->create_anchor(particles_.camera, pose_by_calibration_);
   if (anchor < 0) {
     ++counters_.landmarks_rejected_full;
@@ -137,6 +140,31 @@ void Mapper::start_landmarks(const Features& features) {
   map_->release_if_unused(anchor);
 }
 
+// The anchor that holds the fewest landmarks gives way, with them. Never one with a landmark in
+// view.
+void Mapper::evict_anchor() {
+  std::array<std::int16_t, kMaxAnchors> users = {};
+  std::array<bool, kMaxAnchors> in_view = {};
+  const auto landmarks = map_->landmarks();
+  for (const LandmarkInfo& l : landmarks) {
+    if (l.state == LandmarkState::kFree) continue;
+    const auto a = static_cast<std::size_t>(l.anchor);
+    ++users[a];
+    in_view[a] |= l.last_seen_way_m > map_->way_m() - kInView_m;
+  }
+  int fewest = -1;
+  for (int a = 0; a < kMaxAnchors; ++a) {
+    const auto i = static_cast<std::size_t>(a);
+    if (users[i] == 0 || in_view[i]) continue;
+    if (fewest < 0 || users[i] < users[static_cast<std::size_t>(fewest)]) fewest = a;
+  }
+  for (std::size_t slot = 0; slot < landmarks.size() && fewest >= 0; ++slot) {
+    if (landmarks[slot].state == LandmarkState::kFree || landmarks[slot].anchor != fewest) continue;
+    map_->remove(static_cast<int>(slot));
+    ++counters_.landmarks_evicted;
+  }
+}
+
 // The least useful landmark gives way: tentative before promoted, then the least observed, then the
 // longest unseen. Never one in view.
 void Mapper::evict_one() {
@@ -145,7 +173,7 @@ void Mapper::evict_one() {
   const auto landmarks = map_->landmarks();
   for (std::size_t i = 0; i < landmarks.size(); ++i) {
     const LandmarkInfo& l = landmarks[i];
-    if (l.state == LandmarkState::kFree || l.last_seen_way_m > map_->way_m() - 1.0) continue;
+    if (l.state == LandmarkState::kFree || l.last_seen_way_m > map_->way_m() - kInView_m) continue;
     const double value = (l.state == LandmarkState::kPromoted ? 1e6 : 0.0) +
                          100.0 * std::min(l.observations, 50) + l.last_seen_way_m * 1e-3;
     if (worst < 0 || value < worst_value) {

@@ -18,8 +18,6 @@ void observe(const Mapper& mapper, const Features& features, ObservedFrame& out)
     o.z_m = static_cast<double>(l.z_m);
     o.z_sigma_m = std::sqrt(static_cast<double>(l.covariance_m2[5]));
     o.from_robot_m = mapper.lever_m() + (o.z_m - camera_z) * Eigen::Vector2d(f.zx, f.zy);
-    o.place_m = l.position_m().head<2>();
-    o.covariance_m2 = l.covariance().topLeftCorner<2, 2>();
     o.orientation_rad = f.orientation_rad;
     o.compact = f.compact;
     out.push_back(o);

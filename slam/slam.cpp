@@ -93,16 +93,10 @@ const StepOutput& Slam::output() const {
   return state_->output;
 }
 
-const StepCounters& Slam::counters() const {
-  StepCounters& c = state_->counters;
-  const MapperCounters& m = state_->mapper.counters();
-  c.resamplings = m.resamplings;
-  c.landmarks_created = m.landmarks_created;
-  c.landmarks_promoted = m.landmarks_promoted;
-  c.landmarks_pruned = m.landmarks_pruned;
-  c.landmarks_evicted = m.landmarks_evicted;
-  c.landmarks_rejected_full = m.landmarks_rejected_full;
-  c.appearances_rejected_full = m.appearances_rejected_full;
+StepCounters Slam::counters() const {
+  StepCounters c = state_->counters;
+  c.mapper = state_->mapper.counters();
+  c.removals_untold = state_->mapper.map().removals_untold();
   return c;
 }
 

@@ -14,6 +14,7 @@
 
 #include "platform/base/time.h"
 #include "slam/capacity.h"
+#include "slam/counters.h"
 #include "slam/fleet/alignment.h"
 #include "slam/fleet/record.h"
 #include "slam/geometry.h"
@@ -30,19 +31,6 @@ struct StepInput {
   std::span<const WheelSample>
       wheels;  // all since the last step, in order; the last one at or
                // after `stamp`, or the travel is extrapolated (and counted)
-};
-
-struct StepCounters {
-  std::uint64_t frames = 0;
-  std::uint64_t resamplings = 0;
-  std::uint64_t landmarks_created = 0;
-  std::uint64_t landmarks_promoted = 0;
-  std::uint64_t landmarks_pruned = 0;
-  std::uint64_t landmarks_evicted = 0;
-  std::uint64_t landmarks_rejected_full = 0;
-  std::uint64_t appearances_rejected_full = 0;
-  std::uint64_t odometry_extrapolated = 0;
-  std::uint64_t odometry_rejected = 0;
 };
 
 struct StepOutput {
@@ -73,7 +61,7 @@ class Slam {
 
   // Of the last step.
   const StepOutput& output() const;
-  const StepCounters& counters() const;
+  StepCounters counters() const;
 
   // Own promoted landmarks, in rising id, into `out`; returns how many were written.
   std::size_t landmarks(std::span<LandmarkEstimate> out) const;

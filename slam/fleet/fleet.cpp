@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/LU>
+
 #include "slam/image/ncc.h"
 
 namespace zenith {
@@ -12,6 +14,9 @@ namespace {
 constexpr int kSweepPerFrame = 96;
 constexpr float kDuplicateNcc = 0.6F;
 constexpr double kPairsAlike = 10.0;
+constexpr double kDuplicateSigmas = 3.0;
+// Errors of the maps that the landmarks' covariances do not tell: their drift in common.
+constexpr double kMapError_m = 0.025;
 
 // Which hypothesis to give up when there is no room: first those that no longer say anything about
 // what is in view, then the least likely.
@@ -20,6 +25,13 @@ double worth(const Hypothesis& h) {
   constexpr double kNothing = -1e6;
   const bool tells = h.expected() >= kFewExpected || h.searches < Hypothesis::kWindow;
   return tells ? h.score() : kNothing + h.score();
+}
+
+// Whether two landmarks `d` apart lie within the uncertainty of both (P: the peer's, transformed).
+bool may_be_one(const Eigen::Matrix2d& P, const LandmarkInfo& own, const Eigen::Vector2d& d) {
+  const Eigen::Matrix2d S = P + own.covariance().topLeftCorner<2, 2>() +
+                            kMapError_m * kMapError_m * Eigen::Matrix2d::Identity();
+  return d.dot(S.inverse() * d) < kDuplicateSigmas * kDuplicateSigmas;
 }
 
 // The index of a free hypothesis, or of the one to give up.
@@ -263,7 +275,7 @@ void Fleet::search_duplicates(Peer& peer, const Map& map, Hypothesis& h) {
     const Eigen::Vector2d at = h.T_own_peer * l.xy();
     const Eigen::Matrix2d P =
         transform_covariance(h.T_own_peer, h.covariance, l.xy(), l.covariance_xy());
-    const double reach = 0.08 + std::min(3.0 * std::sqrt(P.trace()), 0.3);
+    const double reach = std::min(kDuplicateSigmas * std::sqrt(P.trace()) + 0.08, 0.4);
     int best_slot = -1;
     bool any = false;
     float best = kDuplicateNcc;
@@ -274,7 +286,7 @@ void Fleet::search_duplicates(Peer& peer, const Map& map, Hypothesis& h) {
       if (dx * dx + dy * dy > 4.0 * reach * reach || o.state != LandmarkState::kPromoted) continue;
       if (std::abs(o.z_m - l.z_m) > 0.3F) continue;
       any = true;
-      if (dx * dx + dy * dy > reach * reach) continue;
+      if (dx * dx + dy * dy > reach * reach || !may_be_one(P, o, {dx, dy})) continue;
       for (int i = o.first_appearance; i >= 0; i = map.appearance(i).next) {
         const Appearance& a = map.appearance(i);
         for (int k = 0; k < l.appearance_count; ++k) {
@@ -291,7 +303,8 @@ void Fleet::search_duplicates(Peer& peer, const Map& map, Hypothesis& h) {
     peer.swept.expected += any ? 1 : 0;
     if (best_slot >= 0) {
       ++peer.swept.hits;
-      confirm_pair(h, {best_slot, own[static_cast<std::size_t>(best_slot)].id, slot_of_peer, 1});
+      const std::uint32_t own_id = own[static_cast<std::size_t>(best_slot)].id;
+      confirm_pair(h, {best_slot, own_id, slot_of_peer, l.id, 1});
     }
     if (peer.sweep == 0) break;  // a walk is over
   }

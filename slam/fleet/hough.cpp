@@ -23,6 +23,12 @@ Eigen::Vector2d wrapped(Eigen::Vector2d d, double period) {
   return d;
 }
 
+// Side lobes of a peak lead to the peak's own place.
+bool same_place(const Pose2& a, const Pose2& b) {
+  return (a.position() - b.position()).norm() < 0.2 &&
+         std::abs(wrap_angle(a.theta_rad - b.theta_rad)) < 5.0 * kDegree;
+}
+
 // Best landmark for each observed one within `radius_m` of where `T_peer_robot` puts it; each
 // landmark of the peer serves once.
 int collect_pairs(const ObservedFrame& frame, const PeerMap& peer, const OverlapMatches& matches,
@@ -107,7 +113,7 @@ void HoughSearch::find_places(const ObservedFrame& frame, const PeerMap& peer,
   std::fill(grid_.begin(), grid_.end(), 0.0F);
   for (const OverlapMatch& m : matches) vote(frame, peer, m, settings.arc_deg * kDegree);
 
-  FixedVector<Peak, 2 * kMaxPeaks> peaks;
+  FixedVector<Peak, kPeaksTried> peaks;
   const int apart = static_cast<int>(settings.peak_distance_m / kCell_m);
   for (int y = 0; y < kCells; ++y) {
     for (int x = 0; x < kCells; ++x) {
@@ -133,6 +139,13 @@ void HoughSearch::find_places(const ObservedFrame& frame, const PeerMap& peer,
     PlaceFix fix = fix_place(frame, peer, matches, settings, place, kCells * kCell_m);
     fix.votes = peak.votes;
     if (fix.inliers < settings.min_inliers) continue;
+    auto* same = std::find_if(out.begin(), out.end(), [&fix](const PlaceFix& other) {
+      return same_place(fix.T_peer_robot, other.T_peer_robot);
+    });
+    if (same != out.end()) {
+      if (same->inliers < fix.inliers) *same = fix;
+      continue;
+    }
     if (out.push_back(fix)) continue;
     auto* least = std::min_element(
         out.begin(), out.end(), [](const auto& a, const auto& b) { return a.inliers < b.inliers; });
@@ -164,23 +177,25 @@ PlaceFix fix_place(const ObservedFrame& frame, const PeerMap& peer, const Overla
   }
   int best = -1;
   float best_votes = 0.0F;
+  Eigen::Vector2d start = place;
   for (int b = 0; b < kHeadingBins; ++b) {
     float sum = 0.0F;
+    Eigen::Vector2d weighted = Eigen::Vector2d::Zero();
     for (int k = -1; k <= 1; ++k) {
-      sum += votes[static_cast<std::size_t>((b + k + kHeadingBins) % kHeadingBins)];
+      const auto bin = static_cast<std::size_t>((b + k + kHeadingBins) % kHeadingBins);
+      sum += votes[bin];
+      weighted += centre[bin];
     }
     if (sum > best_votes) {
       best_votes = sum;
       best = b;
+      start = weighted / static_cast<double>(sum);
     }
   }
   PlaceFix fix;
   fix.peer_slot.fill(-1);
   if (best < 0) return fix;
-  const auto best_bin = static_cast<std::size_t>(best);
   const double heading = ((best + 0.5) / kHeadingBins - 0.5) * 2.0 * std::numbers::pi;
-  const Eigen::Vector2d start =
-      votes[best_bin] > 0.0F ? Eigen::Vector2d(centre[best_bin] / votes[best_bin]) : place;
   fix.T_peer_robot = {start.x(), start.y(), heading};
   double radius = 0.15 + 2.0 * settings.radius_m;
   for (int iteration = 0; iteration < 4; ++iteration) {

@@ -31,6 +31,9 @@ struct PlaceFix {
   std::array<std::int16_t, kMaxCorners> peer_slot = {};  // by observed; -1: none
 };
 inline constexpr int kMaxPeaks = 6;
+// Peaks of the grid that are looked at: a strong one brings side lobes, which must not hide a
+// rival.
+inline constexpr int kPeaksTried = 24;
 using PlaceFixes = FixedVector<PlaceFix, kMaxPeaks>;
 
 class HoughSearch {

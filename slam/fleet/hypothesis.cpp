@@ -76,7 +76,7 @@ bool confirm_pair(Hypothesis& h, const LandmarkPair& pair) {
   for (std::size_t i = 0; i < h.pairs.size(); ++i) {
     LandmarkPair& p = h.pairs[i];
     const bool own = p.own_slot == pair.own_slot && p.own_id == pair.own_id;
-    const bool peer = p.peer_slot == pair.peer_slot;
+    const bool peer = p.peer_slot == pair.peer_slot && p.peer_id == pair.peer_id;
     if (own && peer) {
       ++p.seen;
       return true;
@@ -121,7 +121,7 @@ FrameTest test_hypothesis(Hypothesis& h, const ObservedFrame& frame, const PeerM
     out.support.expected += any ? 1 : 0;
     if (best_slot < 0) continue;
     ++out.support.hits;
-    confirm_pair(h, {own.slot, own.id, best_slot, 1});
+    confirm_pair(h, {own.slot, own.id, best_slot, peer[best_slot].id, 1});
     PointPair pair;
     pair.a = peer[best_slot].xy();
     pair.b = own.from_robot_m;
@@ -145,7 +145,8 @@ void refit(Hypothesis& h, const Map& map, const PeerMap& peer) {
     const LandmarkPair& p = h.pairs[i];
     const LandmarkInfo& own = map.info(p.own_slot);
     const PeerLandmark& other = peer[p.peer_slot];
-    const bool alive = own.state == LandmarkState::kPromoted && own.id == p.own_id && other.present;
+    const bool alive = own.state == LandmarkState::kPromoted && own.id == p.own_id &&
+                       other.present && other.id == p.peer_id;
     const double off = (h.T_own_peer * other.xy() - own.position_m().head<2>()).norm();
     if (!alive || off > 0.5) {
       h.pairs.swap_remove(i);

@@ -20,6 +20,7 @@ struct LandmarkPair {
   std::int32_t own_slot = -1;
   std::uint32_t own_id = 0;
   std::int32_t peer_slot = -1;
+  std::uint32_t peer_id = 0;
   std::int32_t seen = 0;  // frames that confirmed the pair
 };
 

@@ -17,8 +17,6 @@ struct Observed {
   int slot = -1;
   std::uint32_t id = 0;
   Eigen::Vector2d from_robot_m = Eigen::Vector2d::Zero();  // base_link, by this frame alone
-  Eigen::Vector2d place_m = Eigen::Vector2d::Zero();       // own start frame, by the map
-  Eigen::Matrix2d covariance_m2 = Eigen::Matrix2d::Identity();
   double z_m = 0.0;
   double z_sigma_m = 0.0;
   float orientation_rad = 0.0F;  // of the patch, robot axes

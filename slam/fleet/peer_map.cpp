@@ -8,14 +8,25 @@ namespace {
 
 constexpr float kFarthest_m = 1e5F;
 
+// Not negative in any direction: all principal minors, but for rounding.
+bool is_covariance(const std::array<float, 6>& m) {
+  const double xx = m[0], xy = m[1], xz = m[2], yy = m[3], yz = m[4], zz = m[5];
+  if (xx < 0.0 || yy < 0.0 || zz < 0.0) return false;
+  constexpr double kRounding = 1e-5;
+  const auto at_least = [](double minor, double scale) { return minor >= -kRounding * scale; };
+  const double determinant =
+      xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz);
+  return at_least(xx * yy - xy * xy, xx * yy) && at_least(xx * zz - xz * xz, xx * zz) &&
+         at_least(yy * zz - yz * yz, yy * zz) && at_least(determinant, xx * yy * zz);
+}
+
 bool plausible(const LandmarkRecord& r) {
   const auto near = [](float x) { return std::isfinite(x) && std::abs(x) < kFarthest_m; };
   if (!near(r.x_m) || !near(r.y_m) || !near(r.z_m)) return false;
   for (const float c : r.covariance_m2) {
     if (!near(c)) return false;
   }
-  const auto& c = r.covariance_m2;
-  if (c[0] < 0.0F || c[3] < 0.0F || c[5] < 0.0F || c[0] * c[3] < c[1] * c[1]) return false;
+  if (!is_covariance(r.covariance_m2)) return false;
   if (r.appearance_count > kPublishedAppearances) return false;
   for (int i = 0; i < r.appearance_count; ++i) {
     if (!near(r.appearances[static_cast<std::size_t>(i)].direction_rad)) return false;
@@ -31,11 +42,42 @@ void PeerMap::layout(Arena& arena) {
 }
 
 std::size_t PeerMap::bucket(std::uint32_t id) const {
-  std::size_t b = (id * 2654435761U) % kBuckets;  // Knuth's multiplicative hash
+  std::size_t b = home_of(id);
   while (slot_of_[b] != 0 && landmarks_[static_cast<std::size_t>(slot_of_[b] - 1)].id != id) {
     b = (b + 1) % kBuckets;
   }
   return b;
+}
+
+// The entry of a new landmark, or null when the map is full of present ones.
+PeerLandmark* PeerMap::enter(std::uint32_t id) {
+  std::size_t slot = count_;
+  if (count_ < landmarks_.size()) {
+    ++count_;
+  } else {
+    const auto gone = std::find_if(landmarks_.begin(), landmarks_.end(),
+                                   [](const PeerLandmark& l) { return !l.present; });
+    if (gone == landmarks_.end()) return nullptr;
+    slot = static_cast<std::size_t>(gone - landmarks_.begin());
+    forget(gone->id);
+  }
+  landmarks_[slot] = PeerLandmark{};
+  landmarks_[slot].id = id;
+  slot_of_[bucket(id)] = static_cast<std::int32_t>(slot + 1);
+  return &landmarks_[slot];
+}
+
+// Takes an id out of the hash table; those behind it move up, so that they are still found.
+void PeerMap::forget(std::uint32_t id) {
+  std::size_t hole = bucket(id);
+  for (std::size_t b = (hole + 1) % kBuckets; slot_of_[b] != 0; b = (b + 1) % kBuckets) {
+    const std::size_t home = home_of(landmarks_[static_cast<std::size_t>(slot_of_[b] - 1)].id);
+    const bool reachable = (b + kBuckets - home) % kBuckets < (b + kBuckets - hole) % kBuckets;
+    if (reachable) continue;
+    slot_of_[hole] = slot_of_[b];
+    hole = b;
+  }
+  slot_of_[hole] = 0;
 }
 
 bool PeerMap::apply(const LandmarkRecord& r) {
@@ -44,16 +86,13 @@ bool PeerMap::apply(const LandmarkRecord& r) {
     return false;
   }
   const std::size_t b = bucket(r.id);
-  if (slot_of_[b] == 0) {
-    if (count_ == landmarks_.size()) {
-      ++rejected_;
-      return false;
-    }
-    landmarks_[count_] = PeerLandmark{};
-    landmarks_[count_].id = r.id;
-    slot_of_[b] = static_cast<std::int32_t>(++count_);
+  PeerLandmark* entry =
+      slot_of_[b] != 0 ? &landmarks_[static_cast<std::size_t>(slot_of_[b] - 1)] : enter(r.id);
+  if (entry == nullptr) {
+    ++rejected_;
+    return false;
   }
-  PeerLandmark& l = landmarks_[static_cast<std::size_t>(slot_of_[b] - 1)];
+  PeerLandmark& l = *entry;
   if (l.revision >= r.revision && l.revision != 0) return true;  // old news
   l.revision = r.revision;
   l.present = !r.removed;

@@ -1,6 +1,7 @@
 #pragma once
 // One peer's published map as this robot keeps it: the highest revision of each landmark.
-// Full: new landmarks are rejected and counted.
+// Removed landmarks are remembered, so that a late record does not bring them back, until their
+// room is needed. Full of present ones: new landmarks are rejected and counted.
 
 #include <cstdint>
 #include <span>
@@ -21,7 +22,7 @@ struct PeerAppearance {
 struct PeerLandmark {
   std::uint32_t id = 0;
   std::uint32_t revision = 0;
-  bool present = false;  // false: removed by the peer
+  bool present = false;  // false: removed by the peer; its slot may become another landmark's
   float x_m = 0.0F;      // in the peer's frame
   float y_m = 0.0F;
   float z_m = 0.0F;
@@ -58,7 +59,12 @@ class PeerMap {
 
  private:
   static constexpr std::size_t kBuckets = 2 * kMaxPeerLandmarks;  // open addressing, half full
-  std::size_t bucket(std::uint32_t id) const;
+  static std::size_t home_of(std::uint32_t id) {
+    return (id * 2654435761U) % kBuckets;  // Knuth's multiplicative hash
+  }
+  std::size_t bucket(std::uint32_t id) const;  // where it stands, or the free one where it would
+  PeerLandmark* enter(std::uint32_t id);
+  void forget(std::uint32_t id);
 
   std::span<PeerLandmark> landmarks_;
   std::span<std::int32_t> slot_of_;  // bucket -> slot + 1, 0: free

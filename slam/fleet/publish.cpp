@@ -41,6 +41,13 @@ LandmarkRecord make_record(const Map& map, const LandmarkInfo& l) {
 
 std::size_t publish_changes(Map& map, std::span<LandmarkRecord> out) {
   std::size_t count = 0;
+  Map::Removal removal;
+  while (count < out.size() && map.take_removal(removal)) {
+    out[count] = LandmarkRecord{};
+    out[count].id = removal.id;
+    out[count].revision = removal.revision;
+    out[count++].removed = true;
+  }
   for (LandmarkInfo& l : map.landmarks()) {
     if (count == out.size()) break;
     if (l.state != LandmarkState::kPromoted || !l.changed) continue;

@@ -30,6 +30,7 @@ void Map::layout(Arena& arena, int particles) {
   anchor_users_ = arena.take<std::int32_t>(kAnchors);
   free_anchors_ = arena.take<std::int32_t>(kAnchors);
   pool_ = arena.take<Appearance>(kAppearancePool);
+  removals_ = arena.take<Removal>(kMaxRemovals);
   calibrations_ = arena.take<LandmarkCalibration>(kLandmarks);
   anchor_calibrations_ = arena.take<AnchorCalibration>(kAnchors);
 }
@@ -50,6 +51,7 @@ void Map::reset() {
   size_ = 0;
   slots_used_ = 0;
   anchors_used_ = 0;
+  removal_count_ = 0;
 }
 
 int Map::create(int anchor) {
@@ -78,12 +80,27 @@ void Map::remove(int slot) {
     free_appearance_ = i;
     i = next;
   }
+  if (l.revision > 0) {
+    if (removal_count_ == removals_.size()) {
+      ++removals_untold_;
+    } else {
+      removals_[(removal_first_ + removal_count_++) % removals_.size()] = {l.id, l.revision + 1};
+    }
+  }
   const int anchor = l.anchor;
   l = LandmarkInfo{};
   --size_;
   free_slots_[static_cast<std::size_t>(kMaxLandmarks - 1 - size_)] = slot;
   --anchor_users_[static_cast<std::size_t>(anchor)];
   release_if_unused(anchor);
+}
+
+bool Map::take_removal(Removal& out) {
+  if (removal_count_ == 0) return false;
+  out = removals_[removal_first_];
+  removal_first_ = (removal_first_ + 1) % removals_.size();
+  --removal_count_;
+  return true;
 }
 
 int Map::create_anchor(const CameraRows& camera, const PoseSensitivity& by_calibration) {

@@ -22,6 +22,15 @@ class Map {
   int create(int anchor);
   void remove(int slot);
 
+  // Published landmarks that were removed, oldest first; false when all were taken.
+  struct Removal {
+    std::uint32_t id = 0;
+    std::uint32_t revision = 0;  // the one that tells of the removal
+  };
+  bool take_removal(Removal& out);
+  // Removals that found no room: peers were not told.
+  std::uint64_t removals_untold() const { return removals_untold_; }
+
   // The camera rows of this frame as an anchor; -1 when full. An anchor that no landmark holds
   // after release_if_unused() is free again.
   int create_anchor(const CameraRows& camera, const PoseSensitivity& by_calibration);
@@ -90,6 +99,10 @@ class Map {
   std::span<std::int32_t> anchor_users_;
   std::span<std::int32_t> free_anchors_;
   std::span<Appearance> pool_;
+  std::span<Removal> removals_;  // a ring
+  std::size_t removal_first_ = 0;
+  std::size_t removal_count_ = 0;
+  std::uint64_t removals_untold_ = 0;
 
   struct LandmarkCalibration {
     LandmarkSensitivity B = LandmarkSensitivity::Zero();

@@ -63,8 +63,7 @@ class FleetRig {
     Observed o;
     o.slot = static_cast<int>(id);
     o.id = id + 1;
-    o.from_robot_m = o.place_m = from_robot;
-    o.covariance_m2 = 1e-4 * Eigen::Matrix2d::Identity();
+    o.from_robot_m = from_robot;
     o.z_m = 2.55;
     o.z_sigma_m = 0.02;
     o.orientation_rad = f.orientation_rad;

@@ -106,15 +106,19 @@ std::string confidence_text(const TeamLog& log, std::size_t own) {
 
 nlohmann::json counters_json(const StepCounters& c) {
   return {{"frames", c.frames},
-          {"resamplings", c.resamplings},
-          {"landmarks_created", c.landmarks_created},
-          {"landmarks_promoted", c.landmarks_promoted},
-          {"landmarks_pruned", c.landmarks_pruned},
-          {"landmarks_evicted", c.landmarks_evicted},
-          {"landmarks_rejected_full", c.landmarks_rejected_full},
-          {"appearances_rejected_full", c.appearances_rejected_full},
           {"odometry_extrapolated", c.odometry_extrapolated},
-          {"odometry_rejected", c.odometry_rejected}};
+          {"odometry_rejected", c.odometry_rejected},
+          {"slips", c.mapper.slips},
+          {"loops_closed", c.mapper.loops_closed},
+          {"resamplings", c.mapper.resamplings},
+          {"landmarks_created", c.mapper.landmarks_created},
+          {"landmarks_promoted", c.mapper.landmarks_promoted},
+          {"landmarks_pruned", c.mapper.landmarks_pruned},
+          {"landmarks_evicted", c.mapper.landmarks_evicted},
+          {"landmarks_rejected_full", c.mapper.landmarks_rejected_full},
+          {"candidates_rejected_full", c.mapper.candidates_rejected_full},
+          {"appearances_rejected_full", c.mapper.appearances_rejected_full},
+          {"removals_untold", c.removals_untold}};
 }
 
 nlohmann::json parameters_json(const Parameters& parameters) {

@@ -42,6 +42,32 @@ Pose2 arc_step(double length_m, double way_m) {
   return {length_m, 0.0, turn};
 }
 
+// A long way under a ceiling with few new landmarks a metre uses up the anchors before the
+// landmarks. The oldest places then give way, and the robot still sees a map where it is.
+TEST(Mapper, GoesOnWhenTheAnchorsAreUsedUp) {
+  const TestSeed seed;
+  Random random(seed.value());
+  constexpr double kStep_m = 0.12;
+  constexpr int kSteps = 2 * kMaxAnchors + 700;
+  const double way_m = kStep_m * kSteps;
+  const PointWorld world =
+      PointWorld::scatter(random, static_cast<int>(12.0 * way_m), -4.0, way_m + 4.0, -4.0, 4.0);
+  Parameters p = honest_parameters();
+  p.particles = 8;
+  auto rig = std::make_unique<MapperRig>(test_robot(), p, seed.value());
+  rig->drive({}, world, random);
+  for (int i = 0; i < kSteps; ++i) {
+    const double back_to_the_middle = -0.05 * rig->truth().theta_rad - 0.01 * rig->truth().y_m;
+    rig->drive({kStep_m, 0.0, back_to_the_middle}, world, random);
+  }
+  const MapperCounters& counters = rig->mapper().counters();
+  EXPECT_GT(counters.landmarks_evicted, 0u);
+  EXPECT_EQ(counters.landmarks_rejected_full, 0u);
+  int followed = 0;
+  for (const Candidate& c : rig->mapper().candidates()) followed += c.inlier ? 1 : 0;
+  EXPECT_GT(followed, 30);
+}
+
 // After a circle of 40 m under a ceiling of 18 m x 18 m, the robot knows where it is to 0.3 % of
 // its way: 12 cm. Dead reckoning with the same wheels errs by metres: the heading alone spreads by
 // 0.02 sqrt(40) = 0.13 rad.

@@ -35,11 +35,9 @@ inline Observed observed_of(const PointLandmark& l, int slot, const Pose2& T_wor
   Observed o;
   o.slot = slot;
   o.id = static_cast<std::uint32_t>(slot) + 1;
-  o.place_m = l.p_m.head<2>();
-  o.from_robot_m = T_world_robot.inverse() * o.place_m;
+  o.from_robot_m = T_world_robot.inverse() * l.p_m.head<2>();
   o.from_robot_m.x() += sigma_m * random.normal();
   o.from_robot_m.y() += sigma_m * random.normal();
-  o.covariance_m2 = sigma_m * sigma_m * Eigen::Matrix2d::Identity();
   o.z_m = l.p_m.z();
   o.z_sigma_m = 0.02;
   o.orientation_rad = static_cast<float>(wrap_angle(-T_world_robot.theta_rad));

@@ -111,10 +111,8 @@ TEST(Hough, FindsTheRobotAmongWrongMatches) {
   EXPECT_EQ(a.found, a.trials);
 }
 
-// Places outside the grid of 51.2 m share its cells. Of 2000, one in a few hundred is lost: when
-// the heading's best bin itself holds no vote, the search starts at the cell and not at the place a
-// whole grid away that the votes speak of.
-TEST(Hough, DISABLED_FindsTheRobotAnywhereInThePlane) {
+// Places outside the grid of 51.2 m share its cells.
+TEST(Hough, FindsTheRobotAnywhereInThePlane) {
   const TestSeed seed;
   Random random(seed.value());
   for (int n = 0; n < 20; ++n) {
@@ -148,9 +146,8 @@ TEST(Hough, NeedsEnoughMatches) {
   EXPECT_TRUE(rig.find(scene).empty());
 }
 
-// Two places that look the same are both reported: the sequence decides, not one frame. They are
-// not always: side lobes of the strongest peak end in the same fix, and take all of kMaxPeaks.
-TEST(Hough, DISABLED_ReportsBothOfTwoEqualPlaces) {
+// Two places that look the same are both reported: the sequence decides, not one frame.
+TEST(Hough, ReportsBothOfTwoEqualPlaces) {
   const TestSeed seed;
   Random random(seed.value());
   Rig rig;

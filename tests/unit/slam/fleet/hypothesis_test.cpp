@@ -33,13 +33,13 @@ TEST(Hypothesis, ScoreIsTheLogOddsOfItsWindow) {
 
 TEST(Hypothesis, PairsAreConfirmedAndContested) {
   auto h = std::make_unique<Hypothesis>();
-  EXPECT_TRUE(confirm_pair(*h, {3, 30, 7, 1}));
-  EXPECT_TRUE(confirm_pair(*h, {3, 30, 7, 1}));
+  EXPECT_TRUE(confirm_pair(*h, {3, 30, 7, 70, 1}));
+  EXPECT_TRUE(confirm_pair(*h, {3, 30, 7, 70, 1}));
   ASSERT_EQ(h->pairs.size(), 1U);
   EXPECT_EQ(h->pairs[0].seen, 2);
-  EXPECT_FALSE(confirm_pair(*h, {4, 40, 7, 1}));  // the peer's landmark has a partner
+  EXPECT_FALSE(confirm_pair(*h, {4, 40, 7, 70, 1}));  // the peer's landmark has a partner
   EXPECT_EQ(h->pairs[0].own_slot, 3);
-  EXPECT_TRUE(confirm_pair(*h, {4, 40, 7, 1}));  // once more, and the partner gives way
+  EXPECT_TRUE(confirm_pair(*h, {4, 40, 7, 70, 1}));  // once more, and the partner gives way
   ASSERT_EQ(h->pairs.size(), 1U);
   EXPECT_EQ(h->pairs[0].own_slot, 4);
 }
@@ -47,10 +47,11 @@ TEST(Hypothesis, PairsAreConfirmedAndContested) {
 TEST(Hypothesis, FullOfPairsRejects) {
   auto h = std::make_unique<Hypothesis>();
   for (int i = 0; i < kMaxCorrespondences; ++i) {
-    ASSERT_TRUE(confirm_pair(*h, {i, static_cast<std::uint32_t>(i), i, 1}));
+    const auto id = static_cast<std::uint32_t>(i);
+    ASSERT_TRUE(confirm_pair(*h, {i, id, i, id, 1}));
   }
-  EXPECT_FALSE(confirm_pair(*h, {9999, 9999, 9999, 1}));
-  EXPECT_TRUE(confirm_pair(*h, {5, 5, 5, 1}));
+  EXPECT_FALSE(confirm_pair(*h, {9999, 9999, 9999, 9999, 1}));
+  EXPECT_TRUE(confirm_pair(*h, {5, 5, 5, 5, 1}));
 }
 
 TEST(Hypothesis, SameAlignmentIsJudgedWhereTheRobotIs) {
@@ -124,7 +125,9 @@ TEST(Hypothesis, WhereThePeerHasNothingNothingIsExpected) {
 TEST(Hypothesis, RefitFollowsThePairsAndForgetsTheDead) {
   const TestSeed seed;
   const auto s = std::make_unique<Scene>(seed.value());
-  for (int i = 0; i < 40; ++i) confirm_pair(s->h, {i, s->own.map.info(i).id, i, 1});
+  for (int i = 0; i < 40; ++i) {
+    confirm_pair(s->h, {i, s->own.map.info(i).id, i, s->peer.map[i].id, 1});
+  }
   s->h.T_own_peer = Pose2{0.05, -0.05, 0.02} * s->T_peer_world.inverse();
   s->own.map.remove(3);
   LandmarkRecord removal = record_of(s->world.landmarks[5], 6, 2, s->T_peer_world);

@@ -66,6 +66,8 @@ TEST(PeerMap, RefusesWhatIsNoNumberOrAbsurd) {
     refuses([variance](LandmarkRecord& r) { r.covariance_m2[variance] = -1e-6F; });
   }
   refuses([](LandmarkRecord& r) { r.covariance_m2[1] = 0.011F; });  // correlation above one
+  // Every two axes agree, the three together do not.
+  refuses([](LandmarkRecord& r) { r.covariance_m2 = {1.0F, 0.9F, -0.9F, 1.0F, 0.9F, 1.0F}; });
   refuses([](LandmarkRecord& r) { r.appearance_count = kPublishedAppearances + 1; });
   EXPECT_TRUE(rig.map.apply(record(1, 1, 0.0F)));
 }
@@ -101,6 +103,36 @@ TEST(PeerMap, FullRejectsNewOnesAndUpdatesOldOnes) {
   EXPECT_TRUE(rig.map.apply(record(7, 2, 0.75F)));
   EXPECT_EQ(rig.map[0].x_m, 0.75F);
   EXPECT_EQ(rig.map.landmarks().size(), static_cast<std::size_t>(kMaxPeerLandmarks));
+}
+
+// Removed ones give their room to new ones; everybody else is still found.
+TEST(PeerMap, FullOfRemovedOnesTakesNewOnes) {
+  const TestSeed seed;
+  Random random(seed.value());
+  PeerRig rig;
+  constexpr std::uint32_t kIds = 3 * kMaxPeerLandmarks;
+  std::vector<std::uint32_t> present;
+  std::uint32_t next = 0;
+  const auto id_of = [](std::uint32_t n) { return n * 40503U + 1; };
+  while (next < kIds) {
+    ASSERT_TRUE(rig.map.apply(record(id_of(next), 1, 0.5F))) << next;
+    present.push_back(next++);
+    if (present.size() < kMaxPeerLandmarks) continue;
+    for (int i = 0; i < 600; ++i) {
+      std::swap(present[random.below(static_cast<std::uint32_t>(present.size()))], present.back());
+      LandmarkRecord removal = record(id_of(present.back()), 2, 0.5F);
+      removal.removed = true;
+      ASSERT_TRUE(rig.map.apply(removal));
+      present.pop_back();
+    }
+  }
+  for (const std::uint32_t n : present) {
+    ASSERT_TRUE(rig.map.apply(record(id_of(n), 7, 0.5F)));
+  }
+  std::size_t found = 0;
+  for (const PeerLandmark& l : rig.map.landmarks()) found += l.present && l.revision == 7 ? 1 : 0;
+  EXPECT_EQ(found, present.size());
+  EXPECT_EQ(rig.map.rejected(), 0U);
 }
 
 }  // namespace

@@ -94,6 +94,21 @@ TEST(Publish, TentativeLandmarksStayPrivate) {
   EXPECT_EQ(rig->publish(), 9U);
 }
 
+TEST(Publish, TellsOfRemovedLandmarksThatPeersKnow) {
+  const auto rig = std::make_unique<Rig>();
+  const std::uint32_t unknown = rig->own.map.info(9).id;
+  rig->own.map.remove(9);  // before anybody heard of it
+  ASSERT_EQ(rig->publish(), 9U);
+  const std::uint32_t known = rig->own.map.info(4).id;
+  rig->own.map.remove(4);
+  ASSERT_EQ(rig->publish(), 1U);
+  EXPECT_TRUE(rig->out[0].removed);
+  EXPECT_EQ(rig->out[0].id, known);
+  EXPECT_NE(rig->out[0].id, unknown);
+  EXPECT_EQ(rig->out[0].revision, 2U);
+  EXPECT_EQ(rig->publish(), 0U);
+}
+
 TEST(Publish, AtMostEightLooksTheNewestFirst) {
   const auto rig = std::make_unique<Rig>();
   for (int i = 0; i < 12; ++i) {
