@@ -1,0 +1,69 @@
+#include "platform/linux/signals.h"
+
+#include <pthread.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+namespace zenith {
+namespace {
+
+// Leaves the mask and SIGPIPE as they were, for the tests after it.
+class SignalsTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    pthread_sigmask(SIG_SETMASK, nullptr, &mask_);
+    pipe_ = std::signal(SIGPIPE, SIG_DFL);
+    ASSERT_TRUE(signals_.open().ok());
+  }
+  void TearDown() override {
+    while (signals_.wait({}).has_value()) {
+    }
+    std::signal(SIGPIPE, pipe_);
+    pthread_sigmask(SIG_SETMASK, &mask_, nullptr);
+  }
+
+  Signals signals_;
+
+ private:
+  sigset_t mask_ = {};
+  void (*pipe_)(int) = SIG_DFL;
+};
+
+TEST_F(SignalsTest, NothingAsked) {
+  EXPECT_EQ(signals_.wait({}), std::nullopt);
+  EXPECT_EQ(signals_.wait({1'000'000}), std::nullopt);
+}
+
+TEST_F(SignalsTest, TellsStopFromReload) {
+  kill(getpid(), SIGHUP);
+  EXPECT_EQ(signals_.wait(Duration::from_seconds(10)), SignalRequest::kReload);
+  kill(getpid(), SIGTERM);
+  EXPECT_EQ(signals_.wait(Duration::from_seconds(10)), SignalRequest::kStop);
+  kill(getpid(), SIGINT);
+  EXPECT_EQ(signals_.wait(Duration::from_seconds(10)), SignalRequest::kStop);
+  EXPECT_EQ(signals_.wait({}), std::nullopt);
+}
+
+TEST_F(SignalsTest, ThreadsStartedLaterHaveThemBlocked) {
+  sigset_t mask = {};
+  std::thread([&] { pthread_sigmask(SIG_SETMASK, nullptr, &mask); }).join();
+  EXPECT_EQ(sigismember(&mask, SIGTERM), 1);
+  EXPECT_EQ(sigismember(&mask, SIGINT), 1);
+  EXPECT_EQ(sigismember(&mask, SIGHUP), 1);
+  EXPECT_EQ(sigismember(&mask, SIGSEGV), 0);
+}
+
+TEST_F(SignalsTest, AReaderThatLeftDoesNotEndUs) {
+  int ends[2] = {};
+  ASSERT_EQ(pipe(ends), 0);
+  close(ends[0]);
+  EXPECT_EQ(write(ends[1], "x", 1), -1);  // SIGPIPE would end the process here
+  close(ends[1]);
+}
+
+}  // namespace
+}  // namespace zenith
