@@ -1,0 +1,206 @@
+#include "platform/linux/log.h"
+
+#include <poll.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cinttypes>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+
+#include "platform/linux/clock.h"
+
+namespace zenith {
+namespace {
+
+constexpr auto kRelaxed = std::memory_order_relaxed;
+const char* level_name(LogLevel level) {
+  switch (level) {
+    case LogLevel::kError:
+      return "error";
+    case LogLevel::kWarning:
+      return "warning";
+    case LogLevel::kNotice:
+      return "notice";
+    case LogLevel::kInfo:
+      return "info";
+    case LogLevel::kDebug:
+      return "debug";
+  }
+  return "?";
+}
+
+// One record is one line: what came from outside may hold line ends and control characters.
+void make_one_line(char* text) {
+  for (; *text != '\0'; ++text) {
+    const auto c = static_cast<unsigned char>(*text);
+    if (c < ' ' || c == 0x7f) *text = ' ';
+  }
+}
+
+// The text fills its place: ends it with "...", not in the midst of a UTF-8 character, which
+// journald would store as binary data.
+void mark_cut(char* text) {
+  constexpr const char kCut[] = "...";
+  std::size_t end = Log::kTextBytes - sizeof(kCut);
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) --end;
+  std::memcpy(text + end, kCut, sizeof(kCut));
+}
+
+}  // namespace
+
+void Log::write(LogLevel level, const char* format, ...) {
+  va_list arguments;
+  va_start(arguments, format);
+  write(level, monotonic_now(), format, arguments);
+  va_end(arguments);
+}
+
+void Log::write(LogLevel level, Time now, const char* format, va_list arguments) {
+  if (!would_log(level) || !passes(level, format, now)) return;
+  Record record;
+  record.level = level;
+  const int length = std::vsnprintf(record.text.data(), kTextBytes, format, arguments);
+  if (length < 0) std::snprintf(record.text.data(), kTextBytes, "%s", format);
+  if (length >= static_cast<int>(kTextBytes)) mark_cut(record.text.data());
+  make_one_line(record.text.data());
+  if (!queue_.push(record)) lost_.fetch_add(1, kRelaxed);
+}
+
+Log::Site* Log::site_of(const char* format) {
+  // Literals are aligned by a few bytes at most: mix the address well.
+  const auto key = reinterpret_cast<std::uintptr_t>(format) * std::uintptr_t{0x9E3779B97F4A7C15};
+  const std::size_t start = key >> (8 * sizeof(key) - 16);
+  constexpr std::size_t kProbes = 8;
+  for (std::size_t i = 0; i < kProbes; ++i) {
+    Site& site = sites_[(start + i) % kSites];
+    const char* found = site.format.load(kRelaxed);
+    if (found == nullptr && site.format.compare_exchange_strong(found, format, kRelaxed)) {
+      return &site;
+    }
+    if (found == format) return &site;
+  }
+  return nullptr;
+}
+
+bool Log::passes(LogLevel level, const char* format, Time now) {
+  Site* site = site_of(format);
+  if (site == nullptr) return true;
+  std::int64_t start = site->window_start_ns.load(kRelaxed);
+  const bool over = start == 0 || now.ns - start >= kWindow.ns;
+  if (over && site->window_start_ns.compare_exchange_strong(start, now.ns, kRelaxed)) {
+    site->lines.store(0, kRelaxed);
+    site->level.store(level, kRelaxed);
+    site->to_tell.fetch_add(site->suppressed.exchange(0, kRelaxed), kRelaxed);
+  }
+  if (site->lines.fetch_add(1, kRelaxed) < kBurst) return true;
+  site->suppressed.fetch_add(1, kRelaxed);
+  suppressed_.fetch_add(1, kRelaxed);
+  return false;
+}
+
+std::size_t Log::drain(Time now) {
+  written_ = 0;
+  Record record;
+  // A bound, so that writers faster than stderr do not keep the caller here.
+  for (std::size_t i = 0; i < kQueued && queue_.pop(record); ++i) {
+    put(record.level, record.text.data());
+  }
+  tell_lost();
+  tell_suppressed(now);
+  return written_;
+}
+
+void Log::tell_lost() {
+  const std::uint64_t lost = lost_.load(kRelaxed);
+  if (lost == told_lost_) return;
+  char text[kTextBytes];
+  std::snprintf(text, sizeof(text), "%" PRIu64 " log lines were lost: more than %zu were waiting",
+                lost - told_lost_, kQueued);
+  told_lost_ = lost;
+  put(LogLevel::kWarning, text);
+}
+
+void Log::tell_suppressed(Time now) {
+  for (Site& site : sites_) {
+    std::uint32_t count = site.to_tell.exchange(0, kRelaxed);
+    if (now.ns - site.window_start_ns.load(kRelaxed) >= kWindow.ns) {
+      count += site.suppressed.exchange(0, kRelaxed);
+    }
+    if (count == 0) continue;
+    char text[kTextBytes];
+    std::snprintf(text, sizeof(text), "%" PRIu32 " more lines like this were left out: %s", count,
+                  site.format.load(kRelaxed));
+    make_one_line(text);
+    put(site.level.load(kRelaxed), text);
+  }
+}
+
+void Log::put(LogLevel level, const char* text) {
+  char line[kTextBytes + 64];
+  const char* resume = mid_line_ ? "\n" : "";
+  int length = 0;
+  if (style_ == LogStyle::kJournal) {
+    length = std::snprintf(line, sizeof(line), "%s<%d>%s\n", resume, static_cast<int>(level), text);
+  } else {
+    length = std::snprintf(line, sizeof(line), "%s%s %s: %s\n", resume, wall_clock_text().c_str(),
+                           level_name(level), text);
+  }
+  if (put_bytes(line, std::min(static_cast<std::size_t>(length), sizeof(line) - 1))) {
+    ++written_;
+  } else {
+    not_written_.fetch_add(1, kRelaxed);
+  }
+}
+
+// poll() first, for the descriptor is not ours alone and is not made non-blocking: a pipe, a socket
+// or a terminal that polls writable takes a line without waiting for its reader.
+bool Log::put_bytes(const char* bytes, std::size_t count) {
+  while (count > 0) {
+    pollfd poll_fd = {fd_, POLLOUT, 0};
+    const int limit_ms = stuck_ ? 0 : static_cast<int>(kWriteLimit.ns / 1'000'000);
+    const int ready = ::poll(&poll_fd, 1, limit_ms);
+    if (ready < 0 && errno == EINTR) continue;
+    stuck_ = ready != 1 || (poll_fd.revents & POLLOUT) == 0;
+    if (stuck_) return false;
+    const ssize_t written = ::write(fd_, bytes, count);
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) return false;
+    bytes += written;
+    count -= static_cast<std::size_t>(written);
+    mid_line_ = count > 0;
+  }
+  return true;
+}
+
+LogCounters Log::counters() const {
+  return {lost_.load(kRelaxed), suppressed_.load(kRelaxed), not_written_.load(kRelaxed)};
+}
+
+bool is_journal(int fd, const char* journal_stream) {
+  struct stat file = {};
+  if (journal_stream == nullptr || ::fstat(fd, &file) != 0) return false;
+  char own[64];
+  std::snprintf(own, sizeof(own), "%ju:%ju", static_cast<std::uintmax_t>(file.st_dev),
+                static_cast<std::uintmax_t>(file.st_ino));
+  return std::strcmp(own, journal_stream) == 0;
+}
+
+Log& process_log() {
+  static Log log(STDERR_FILENO, is_journal(STDERR_FILENO, std::getenv("JOURNAL_STREAM"))
+                                    ? LogStyle::kJournal
+                                    : LogStyle::kPerson);
+  return log;
+}
+
+void log_line(LogLevel level, const char* format, ...) {
+  va_list arguments;
+  va_start(arguments, format);
+  process_log().write(level, monotonic_now(), format, arguments);
+  va_end(arguments);
+}
+
+}  // namespace zenith
