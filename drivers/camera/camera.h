@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "platform/base/result.h"
 #include "platform/base/time.h"
@@ -19,7 +20,9 @@ namespace zenith {
 struct CameraFrame {
   Time stamp;  // capture, CLOCK_MONOTONIC
   ImageView luma;
-  std::uint64_t sequence = 0;  // counts delivered and lost frames since open(); 0 is the first
+  // Number of this frame since open(), 0 the first. Frames that were skipped, damaged or lost in
+  // the driver have numbers too, so a gap says how many the caller did not see.
+  std::uint64_t sequence = 0;
 };
 
 enum class CameraWait {
@@ -35,7 +38,8 @@ struct CameraCounters {
   std::uint64_t damaged = 0;          // marked bad by the driver, or too short: never delivered
   std::uint64_t stamps_replaced = 0;  // implausible or not monotonic stamps, replaced by "now"
   std::uint64_t opened = 0;
-  std::uint64_t lost = 0;
+  std::uint64_t lost = 0;     // times that wait() found the stream gone
+  std::uint64_t stalled = 0;  // of these: no error, but no frame either
 };
 
 class Camera {
@@ -50,11 +54,16 @@ class Camera {
   virtual Status open() = 0;
   virtual void close() = 0;
 
-  // Stamps rise strictly from frame to frame, also over a close() and open().
+  // Stamps rise strictly from frame to frame, also over a close() and open(). A timeout of zero or
+  // less does not wait.
   virtual CameraWait wait(Duration timeout, CameraFrame& out) = 0;
 
   // After open(): what was agreed on, for a person: "V4L2 /dev/video0 (vivid), GREY 640x480, 25/s".
   virtual std::string description() const = 0;
+  // After open(): what was asked for and could not be had, one sentence each.
+  virtual std::vector<std::string> warnings() const { return {}; }
+  // Why wait() says kLost, a static text for the log; empty while it does not.
+  virtual const char* lost_reason() const { return ""; }
   virtual const CameraCounters& counters() const = 0;
 };
 
