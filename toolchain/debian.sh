@@ -63,14 +63,17 @@ debian_unpack() {
 # existing, empty FOLDER; runs none of their scripts.
 debian_bootstrap() {
   local arch=$1 folder=$2 hooks=/usr/share/mmdebstrap/hooks/merged-usr options=()
-  local packages suite
+  local packages suite log=$debian_cache/$1/bootstrap.log
   shift 2
   packages=$(IFS=,; echo "$*")
   debian_update "$arch" || return 1
   suite=$(awk '{ print $3; exit }' "$debian_cache/$arch/sources.list")
   if [[ -d $hooks ]]; then options=(--hook-dir="$hooks"); fi
   # A tar archive, so that it also works without root, in a user namespace.
-  mmdebstrap --quiet --variant=extract --architectures="$arch" --include="$packages" \
-    --format=tar ${options[@]+"${options[@]}"} "$suite" - "$debian_cache/$arch/sources.list" 2>/dev/null |
-    tar -x -C "$folder" --no-same-owner --exclude='./dev/*'
+  if ! mmdebstrap --quiet --variant=extract --architectures="$arch" --include="$packages" \
+    --format=tar ${options[@]+"${options[@]}"} "$suite" - "$debian_cache/$arch/sources.list" 2>"$log" |
+    tar -x -C "$folder" --no-same-owner --exclude='./dev/*'; then
+    cat "$log" >&2
+    return 1
+  fi
 }
