@@ -13,6 +13,7 @@
 #include <optional>
 
 #include "drivers/odometry/can_frame.h"
+#include "drivers/odometry/wheel_codec.h"
 
 namespace zenith::agilex_v2 {
 
@@ -38,5 +39,14 @@ std::optional<Motion> decode_motion(const CanFrame& frame);
 CanFrame encode_odometer(Time stamp, const Odometer& odometer);
 // Rounds to 0.001 and saturates at the ends of int16.
 CanFrame encode_motion(Time stamp, const Motion& motion);
+
+// The travel comes from the odometer alone; the motion frame is known and passed over.
+struct Codec {
+  bool swap_wheels = false;
+
+  WheelNews read(const CanFrame& frame) const;
+  WheelScales scales(const WheelGeometry& geometry) const;
+  CanIds ids() const;
+};
 
 }  // namespace zenith::agilex_v2

@@ -1,63 +1,93 @@
 #include "drivers/odometry/wheel_decoder.h"
 
-#include <cmath>
-
-#include "drivers/odometry/agilex_v2.h"
+#include <algorithm>
 
 namespace zenith {
 namespace {
 
-constexpr double kMetresPerCount = 0.001;
-// Counters move in whole millimetres and stamps carry jitter: two frames close together may show
-// a step that their stamps alone would forbid.
-constexpr double kStepSlack_m = 0.010;
-
-std::int64_t counter_step(std::uint32_t now, std::uint32_t before) {
-  return static_cast<std::int32_t>(now - before);
+bool is_any(WheelStep step, const std::optional<WheelStep>& left,
+            const std::optional<WheelStep>& right) {
+  return left == step || right == step;
 }
 
 }  // namespace
 
+WheelDecoder::WheelDecoder(const WheelLimits& limits)
+    : WheelDecoder(agilex_v2::Codec{}, agilex_v2::Codec{}.scales({}), limits) {}
+
+WheelDecoder::WheelDecoder(const WheelCodec& codec, const WheelScales& scales,
+                           const WheelLimits& limits)
+    : codec_(codec), left_(scales.left, limits), right_(scales.right, limits) {}
+
+CanIds WheelDecoder::ids() const {
+  return std::visit([](const auto& codec) { return codec.ids(); }, codec_);
+}
+
 std::optional<WheelSample> WheelDecoder::decode(const CanFrame& frame) {
-  const bool odometer = !frame.extended && frame.id == agilex_v2::kOdometerId;
-  const bool motion = !frame.extended && frame.id == agilex_v2::kMotionId;
-  if (!odometer) {
-    motion ? ++counters_.motion_frames : ++counters_.unknown_ids;
-    return std::nullopt;
+  const WheelNews news =
+      std::visit([&frame](const auto& codec) { return codec.read(frame); }, codec_);
+  switch (news.use) {
+    case FrameUse::kUnknownId:
+      ++counters_.unknown_ids;
+      return std::nullopt;
+    case FrameUse::kTooShort:
+      ++counters_.short_frames;
+      return std::nullopt;
+    case FrameUse::kNoTravel:
+      ++counters_.without_travel;
+      note_errors(news);
+      return std::nullopt;
+    case FrameUse::kReading:
+      break;
   }
-  const auto counts = agilex_v2::decode_odometer(frame);
-  if (!counts) {
-    ++counters_.short_frames;
-    return std::nullopt;
-  }
-  if (started_ && frame.stamp <= last_stamp_) {
-    ++counters_.late;
-    return std::nullopt;
-  }
-  const auto left = static_cast<std::uint32_t>(counts->left_mm);
-  const auto right = static_cast<std::uint32_t>(counts->right_mm);
-  if (started_) {
-    const std::int64_t step_left = counter_step(left, last_left_);
-    const std::int64_t step_right = counter_step(right, last_right_);
-    const double limit_m =
-        config_.max_wheel_speed_mps * (frame.stamp - last_stamp_).seconds() + kStepSlack_m;
-    const auto possible = [limit_m](std::int64_t step) {
-      return std::abs(static_cast<double>(step)) * kMetresPerCount <= limit_m;
-    };
-    if (possible(step_left) && possible(step_right)) {
-      total_left_mm_ += step_left;
-      total_right_mm_ += step_right;
-    } else {
-      ++counters_.resets;
-    }
-  }
-  started_ = true;
-  last_stamp_ = frame.stamp;
-  last_left_ = left;
-  last_right_ = right;
+  if (!take(frame.stamp, news) || !fresh_left_ || !fresh_right_) return std::nullopt;
+  fresh_left_ = false;
+  fresh_right_ = false;
   ++counters_.samples;
-  return WheelSample{frame.stamp, kMetresPerCount * static_cast<double>(total_left_mm_),
-                     kMetresPerCount * static_cast<double>(total_right_mm_)};
+  const Time stamp = std::min(left_.stamp(), right_.stamp());
+  return WheelSample{stamp, left_.travel_at(stamp), right_.travel_at(stamp)};
+}
+
+void WheelDecoder::note_errors(const WheelNews& news) {
+  if (news.left_error) errors_.left = *news.left_error;
+  if (news.right_error) errors_.right = *news.right_error;
+  if (news.left_error.value_or(0) != 0 || news.right_error.value_or(0) != 0) {
+    ++counters_.error_reports;
+  }
+}
+
+// False when the frame is refused as a whole.
+bool WheelDecoder::take(Time stamp, const WheelNews& news) {
+  std::optional<WheelStep> left;
+  std::optional<WheelStep> right;
+  if (news.left) left = left_.judge(stamp, *news.left);
+  if (news.right) right = right_.judge(stamp, *news.right);
+  if (is_any(WheelStep::kLate, left, right)) {
+    ++counters_.late;
+    return false;
+  }
+  if (is_any(WheelStep::kInvalid, left, right)) {
+    ++counters_.invalid;
+    return false;
+  }
+  if ((left && left_.ends_velocity_gap(stamp)) || (right && right_.ends_velocity_gap(stamp))) {
+    ++counters_.velocity_gaps;
+  }
+  if (is_any(WheelStep::kRestarted, left, right)) {
+    ++counters_.resets;
+    if (left) left = WheelStep::kRestarted;
+    if (right) right = WheelStep::kRestarted;
+  }
+  if (left) take_wheel(stamp, *news.left, *left, left_, fresh_left_);
+  if (right) take_wheel(stamp, *news.right, *right, right_, fresh_right_);
+  return true;
+}
+
+void WheelDecoder::take_wheel(Time stamp, const WheelReading& reading, WheelStep step,
+                              WheelAccumulator& wheel, bool& fresh) {
+  wheel.take(stamp, reading, step);
+  if (fresh) ++counters_.unpaired;
+  fresh = true;
 }
 
 }  // namespace zenith

@@ -62,7 +62,7 @@ TEST(WheelDecoder, JumpOfOneWheelAloneIsAResetOfBoth) {
 }
 
 TEST(WheelDecoder, SpeedLimitIsConfigurableAndGrowsWithTheGap) {
-  WheelDecoder slow(WheelDecoderConfig{.max_wheel_speed_mps = 1.0});
+  WheelDecoder slow(WheelLimits{.max_speed_mps = 1.0});
   slow.decode(at_ms(0, 0, 0));
   EXPECT_DOUBLE_EQ(slow.decode(at_ms(1000, 900, 950))->right_m, 0.950);
   EXPECT_DOUBLE_EQ(slow.decode(at_ms(1100, 1100, 1150))->right_m, 0.950);
@@ -79,6 +79,42 @@ TEST(WheelDecoder, RefusesDuplicatedAndLateFrames) {
   EXPECT_DOUBLE_EQ(decoder.decode(at_ms(30, 15, 17))->left_m, 0.015);
 }
 
+// Ten metres in three quiet seconds: no wheel drove them, the base was switched off and on.
+TEST(WheelDecoder, DoesNotBelieveLongStepsAfterALongSilence) {
+  WheelDecoder decoder;
+  decoder.decode(at_ms(0, 10'500, 10'400));
+  const auto sample = decoder.decode(at_ms(60'000, 200, 300));
+  ASSERT_TRUE(sample.has_value());
+  EXPECT_EQ(sample->left_m, 0.0);
+  EXPECT_EQ(sample->right_m, 0.0);
+  EXPECT_EQ(decoder.counters().resets, 1u);
+}
+
+TEST(WheelDecoder, BelievesWhatWasDrivenDuringAShortSilence) {
+  WheelDecoder decoder;
+  decoder.decode(at_ms(0, 10'500, 10'400));
+  EXPECT_DOUBLE_EQ(decoder.decode(at_ms(1500, 11'700, 11'500))->left_m, 1.2);
+  EXPECT_EQ(decoder.counters().resets, 0u);
+}
+
+TEST(WheelDecoder, ZeroAfterHalfASecondOfSilenceIsARestart) {
+  WheelDecoder decoder;
+  decoder.decode(at_ms(0, 1500, 1400));
+  EXPECT_EQ(decoder.decode(at_ms(600, 0, 0))->left_m, 0.0);
+  EXPECT_EQ(decoder.counters().resets, 1u);
+  decoder.decode(at_ms(610, 7, 7));
+  EXPECT_DOUBLE_EQ(decoder.decode(at_ms(1300, 0, 0))->left_m, 0.0);  // rolled back by 7 mm
+  EXPECT_EQ(decoder.counters().resets, 1u);
+  decoder.decode(at_ms(1400, 300, 300));
+  EXPECT_DOUBLE_EQ(decoder.decode(at_ms(1600, 0, 0))->left_m, 0.0);  // drove back through zero
+  EXPECT_EQ(decoder.counters().resets, 1u);
+}
+
+TEST(WheelDecoder, TellsTheIdentifiersThatItReads) {
+  ASSERT_EQ(WheelDecoder().ids().size(), 1u);
+  EXPECT_EQ(WheelDecoder().ids()[0], CanId{0x311});
+}
+
 TEST(WheelDecoder, CountsWhatItCannotUse) {
   WheelDecoder decoder;
   CanFrame frame = at_ms(0, 1, 2);
@@ -93,7 +129,7 @@ TEST(WheelDecoder, CountsWhatItCannotUse) {
   EXPECT_FALSE(decoder.decode(agilex_v2::encode_motion(Time{}, {})).has_value());
   EXPECT_EQ(decoder.counters().short_frames, 1u);
   EXPECT_EQ(decoder.counters().unknown_ids, 2u);
-  EXPECT_EQ(decoder.counters().motion_frames, 1u);
+  EXPECT_EQ(decoder.counters().without_travel, 1u);
   EXPECT_EQ(decoder.counters().samples, 0u);
 }
 

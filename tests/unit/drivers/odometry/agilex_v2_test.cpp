@@ -74,5 +74,19 @@ TEST(AgilexV2, RefusesWrongFrames) {
   EXPECT_FALSE(decode_motion(frame).has_value());
 }
 
+TEST(AgilexV2, CodecReadsTheOdometerAndKnowsTheMotionFrame) {
+  const CanFrame frame = raw(0x311, {0x01, 0x23, 0x45, 0x67, 0xFE, 0xDC, 0xBA, 0x98});
+  const WheelNews news = Codec{}.read(frame);
+  ASSERT_EQ(news.use, FrameUse::kReading);
+  EXPECT_EQ(news.left->count, 0x01234567U);
+  EXPECT_EQ(news.right->count, 0xFEDCBA98U);
+  const WheelNews swapped = Codec{.swap_wheels = true}.read(frame);
+  EXPECT_EQ(swapped.left->count, 0xFEDCBA98U);
+  EXPECT_EQ(swapped.right->count, 0x01234567U);
+  EXPECT_EQ(Codec{}.read(encode_motion(Time{}, {})).use, FrameUse::kNoTravel);
+  ASSERT_EQ(Codec{}.ids().size(), 1u);
+  EXPECT_EQ(Codec{}.ids()[0], CanId{0x311});
+}
+
 }  // namespace
 }  // namespace zenith::agilex_v2
