@@ -74,7 +74,11 @@ Status Recording::check_files() {
 
 Status Recording::load_odometry(const RobotFile& robot) {
   const fs::path path = layout::can_log(folder_, robot.can_interface);
-  const auto log = read_wheel_log(path, robot.can_interface);
+  const auto decoder = make_wheel_decoder(robot.odometry);
+  if (!decoder.ok()) {
+    return Error{layout::robot(folder_).string() + ": " + decoder.error().message};
+  }
+  const auto log = read_wheel_log(path, robot.can_interface, *decoder);
   if (!log.ok()) return log.error();
   const auto gaps = describe_gaps(*log, frames_, path, options_.max_odometry_gap_s);
   if (!gaps.ok()) return gaps.error();

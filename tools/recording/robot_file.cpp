@@ -2,32 +2,15 @@
 
 #include <cstdio>
 #include <optional>
-#include <string_view>
-#include <vector>
 
 #include <toml++/toml.h>
 
-#include "tools/overrides.h"
+#include "tools/recording/odometry_section.h"
 #include "tools/recording/problems.h"
+#include "tools/recording/toml_keys.h"
 
 namespace zenith::tools {
 namespace {
-
-int line_of(const toml::node& node) {
-  return static_cast<int>(node.source().begin.line);
-}
-
-void check_keys(const toml::table& table, const std::string& prefix,
-                const std::vector<std::string>& known, Problems& problems) {
-  for (const auto& [key, node] : table) {
-    const std::string name(key.str());
-    if (std::find(known.begin(), known.end(), name) != known.end()) continue;
-    const auto near = nearest_words(name, known);
-    problems.add(line_of(node),
-                 "unknown key " + prefix + name +
-                     (near.empty() ? "" : "; did you mean " + prefix + near[0] + "?"));
-  }
-}
 
 void read_number(const toml::table& file, const char* section, const char* key, double min,
                  double max, double& value, Problems& problems) {
@@ -40,40 +23,15 @@ void read_number(const toml::table& file, const char* section, const char* key, 
   value = *number;
 }
 
-void read_text(const toml::table& file, const char* section, const char* key, std::string& value,
-               Problems& problems) {
-  const std::string name = std::string(section) + "." + key;
-  const auto node = file[section][key];
-  if (!node) return problems.add(0, "missing key " + name);
-  const auto text = node.value<std::string>();
-  if (!text) return problems.add(line_of(*node.node()), name + " is no text");
-  value = *text;
-}
-
-void check_section(const toml::table& file, const char* section,
-                   const std::vector<std::string>& known, Problems& problems) {
-  const auto node = file[section];
-  if (!node) return;  // its keys are told as missing
-  if (const toml::table* table = node.as_table()) {
-    check_keys(*table, std::string(section) + ".", known, problems);
-  } else {
-    problems.add(line_of(*node.node()), std::string(section) + " is no section");
-  }
-}
-
 void read_sections(const toml::table& file, RobotFile& robot, Problems& problems) {
   check_keys(file, "", {"wheels", "odometry"}, problems);
   check_section(file, "wheels", {"track_width_m", "left_scale", "right_scale"}, problems);
-  check_section(file, "odometry", {"codec", "can_interface"}, problems);
   Wheels& wheels = robot.wheels;
   read_number(file, "wheels", "track_width_m", 0.02, 5.0, wheels.track_width_m, problems);
   read_number(file, "wheels", "left_scale", 0.1, 10.0, wheels.left_scale, problems);
   read_number(file, "wheels", "right_scale", 0.1, 10.0, wheels.right_scale, problems);
-  read_text(file, "odometry", "codec", robot.codec, problems);
   read_text(file, "odometry", "can_interface", robot.can_interface, problems);
-  if (robot.codec != "agilex_v2") {
-    problems.add(0, "odometry.codec '" + robot.codec + "' is unknown; known: agilex_v2");
-  }
+  read_odometry(file, robot.odometry, problems);
   if (robot.can_interface.empty() ||
       robot.can_interface.find_first_of("/ \t") != std::string::npos) {
     problems.add(0, "odometry.can_interface '" + robot.can_interface + "' is no interface's name");
@@ -95,6 +53,8 @@ Result<RobotFile> read_robot_file(const std::filesystem::path& path) {
     problems.add(static_cast<int>(error.source().begin.line), std::string(error.description()));
   }
   if (problems.any()) return problems.error();
+  std::string& dbc = robot.odometry.dbc.file;
+  if (!dbc.empty()) dbc = (path.parent_path() / dbc).string();
   return robot;
 }
 
@@ -114,9 +74,9 @@ std::string format_robot_file(const RobotFile& robot) {
       "[odometry]\n"
       "codec = \"%s\"           # how the base speaks on the CAN bus\n"
       "can_interface = \"%s\"        # recorded in <can_interface>.log\n",
-      wheels.track_width_m, wheels.left_scale, wheels.right_scale, robot.codec.c_str(),
-      robot.can_interface.c_str());
-  return text;
+      wheels.track_width_m, wheels.left_scale, wheels.right_scale,
+      std::string(wheel_codec_name(robot.odometry.kind)).c_str(), robot.can_interface.c_str());
+  return text + format_odometry(robot.odometry);
 }
 
 }  // namespace zenith::tools

@@ -1,10 +1,12 @@
 #pragma once
 // robot.toml of a recording: what is known about the robot but for its camera, which sensor.yaml
-// describes, mount included. Unknown keys are errors.
+// describes, mount included. Unknown keys are errors. What the codec of the base needs has defaults
+// and stands under [odometry] and [odometry.<codec>]; wheel_codec_fields() lists the keys.
 
 #include <filesystem>
 #include <string>
 
+#include "drivers/odometry/wheel_codec_config.h"
 #include "platform/base/result.h"
 #include "slam/robot.h"
 
@@ -12,10 +14,11 @@ namespace zenith::tools {
 
 struct RobotFile {
   Wheels wheels;
-  std::string codec = "agilex_v2";
+  WheelCodecConfig odometry;
   std::string can_interface = "can0";  // the log is named after it: can0.log
 };
 
+// A relative dbc.file is taken from the folder of robot.toml.
 Result<RobotFile> read_robot_file(const std::filesystem::path& path);
 
 // The annotated text of the file.

@@ -39,11 +39,11 @@ std::string unknown_text(const WheelLog& log) {
 
 }  // namespace
 
-Result<WheelLog> read_wheel_log(const std::filesystem::path& path, const std::string& interface) {
+Result<WheelLog> read_wheel_log(const std::filesystem::path& path, const std::string& interface,
+                                WheelDecoder decoder) {
   auto file = TextFile::open(path);
   if (!file.ok()) return file.error();
   WheelLog log;
-  WheelDecoder decoder;
   std::string line;
   while (file->next(line)) {
     CanFrame frame;
@@ -87,7 +87,11 @@ std::vector<std::string> describe_log(const WheelLog& log, const std::filesystem
   if (!log.unknown_ids.empty()) lines.push_back(name + unknown_text(log));
   tell(log.decoder.late, "odometry frames whose stamps go back, refused");
   tell(log.decoder.short_frames, "odometry frames that are too short, refused");
+  tell(log.decoder.invalid, "odometry frames with impossible values, refused");
   tell(log.decoder.resets, "restarts of the base's counters");
+  tell(log.decoder.velocity_gaps, "gaps between velocities, bridged only in part");
+  tell(log.decoder.unpaired, "frames of one wheel without a partner from the other");
+  tell(log.decoder.error_reports, "reports of errors by the drives");
   return lines;
 }
 

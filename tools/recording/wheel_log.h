@@ -25,8 +25,10 @@ struct WheelLog {
   std::string first_malformed;  // "path:line"
 };
 
-// Malformed lines are counted. A log without any sample is an error.
-Result<WheelLog> read_wheel_log(const std::filesystem::path& path, const std::string& interface);
+// `decoder` is that of the robot's base. Malformed lines are counted. A log without any sample is
+// an error.
+Result<WheelLog> read_wheel_log(const std::filesystem::path& path, const std::string& interface,
+                                WheelDecoder decoder);
 
 // One line for each kind of trouble in the log.
 std::vector<std::string> describe_log(const WheelLog& log, const std::filesystem::path& path);

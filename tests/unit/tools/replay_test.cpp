@@ -5,9 +5,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/support/wheel_bases.h"
 #include "tests/unit/tools/temporary_folder.h"
 #include "tools/atomic_output.h"
+#include "tools/recording/candump.h"
 #include "tools/recording/layout.h"
+#include "tools/recording/robot_file.h"
+#include "tools/recording/wheel_log.h"
 #include "tools/replay_judgement.h"
 #include "tools/runner/simulated_source.h"
 #include "tools/runner/team_run.h"
@@ -85,6 +89,54 @@ TEST_F(ReplayTest, FilesLoseNothingThatMatters) {
     EXPECT_EQ(memory.robots[i].frames, result->figures.robots[i].frames);
     EXPECT_NEAR(memory.robots[i].path_m, result->figures.robots[i].path_m, 0.02);
     EXPECT_NEAR(*memory.robots[i].odometry_ate_m, *result->figures.robots[i].odometry_ate_m, 1e-4);
+  }
+}
+
+// A copy of a recording in which another base sends what the AgileX one measured.
+void become(const WheelBase& base, const fs::path& recording) {
+  const auto wheels = read_wheel_log(layout::can_log(recording, "can0"), "can0", WheelDecoder());
+  ASSERT_TRUE(wheels.ok()) << wheels.error().message;
+  const auto& samples = wheels->samples;
+  std::string log;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const WheelSample& before = samples[i > 0 ? i - 1 : 0];
+    const WheelSample& after = samples[std::min(i + 1, samples.size() - 1)];
+    const double time_s = (after.stamp - before.stamp).seconds();
+    for (const CanFrame& frame : base.send({samples[i].stamp, samples[i].left_m, samples[i].right_m,
+                                            (after.left_m - before.left_m) / time_s,
+                                            (after.right_m - before.right_m) / time_s})) {
+      log += format_candump(frame, "can0") + "\n";
+    }
+  }
+  write_text(layout::can_log(recording, "can0"), log);
+  auto robot = read_robot_file(layout::robot(recording));
+  ASSERT_TRUE(robot.ok()) << robot.error().message;
+  robot->odometry = base.config;
+  write_text(layout::robot(recording), format_robot_file(*robot));
+  write_text(recording / "bases.dbc", kWheelBasesDbc);
+}
+
+TEST_F(ReplayTest, EveryBaseGivesTheSameDrive) {
+  ReplayPlan one = plan();
+  one.recordings.resize(1);
+  const auto expected = replay(one, make("agilex"), {});
+  ASSERT_TRUE(expected.ok());
+  const RobotFigures& agilex = expected->figures.robots[0];
+  for (const WheelBase& base : all_wheel_bases("bases.dbc")) {
+    SCOPED_TRACE(base.name);
+    const fs::path folder = make(base.name.c_str());
+    ReplayPlan same = plan();
+    same.recordings = {folder / (*names_)[0]};
+    fs::copy(plan().recordings[0], same.recordings[0], fs::copy_options::recursive);
+    become(base, same.recordings[0]);
+    const auto result = replay(same, make((base.name + "_out").c_str()), {});
+    ASSERT_TRUE(result.ok()) << result.error().message;
+    EXPECT_THAT(result->warnings, testing::IsEmpty());
+    const RobotFigures& robot = result->figures.robots[0];
+    EXPECT_EQ(robot.frames, agilex.frames);
+    EXPECT_NEAR(robot.path_m, agilex.path_m, 0.03);
+    EXPECT_NEAR(*robot.odometry_ate_m, *agilex.odometry_ate_m, 0.003);
+    EXPECT_NEAR(*robot.ate_m, *agilex.ate_m, 0.01);
   }
 }
 
