@@ -1,6 +1,5 @@
 #include <dirent.h>
 #include <fcntl.h>
-#include <poll.h>
 #include <sys/ioctl.h>
 #include <sys/mman.h>
 #include <unistd.h>
@@ -12,13 +11,13 @@
 
 #include "drivers/camera/v4l2_io.h"
 #include "platform/linux/clock.h"
+#include "platform/linux/wait_readable.h"
 
 namespace zenith {
 namespace {
 
 constexpr const char* kFolder = "/dev";
 constexpr const char* kPrefix = "video";
-constexpr std::int64_t kSecond_ns = 1'000'000'000;
 
 // 12 for "video12"; -1 for anything else.
 long video_number(const char* name) {
@@ -70,15 +69,7 @@ class KernelV4l2Io final : public V4l2Io {
 
   void unmap(void* start, std::size_t length) override { ::munmap(start, length); }
 
-  int poll(int fd, Duration timeout) override {
-    pollfd entry = {fd, POLLIN, 0};
-    const std::int64_t wait_ns = std::max<std::int64_t>(timeout.ns, 0);
-    const timespec wait = {static_cast<time_t>(wait_ns / kSecond_ns),
-                           static_cast<long>(wait_ns % kSecond_ns)};
-    const int ready = ::ppoll(&entry, 1, &wait, nullptr);
-    if (ready > 0) return entry.revents;
-    return ready == 0 || errno == EINTR ? 0 : -errno;
-  }
+  int poll(int fd, Duration timeout) override { return wait_readable(fd, timeout); }
 
   Time now() override { return monotonic_now(); }
 };
