@@ -4,6 +4,7 @@
 // open() and close() may allocate and belong to a thread without deadlines. receive() is for the
 // realtime thread: no heap, no lock, no log. One caller at a time.
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -34,6 +35,12 @@ enum class CanState {
   kDown,    // the interface is down or gone: close() and open() again
 };
 
+// When a receive() of this timeout ends: at once for zero and less, at most an hour later.
+constexpr Time can_deadline(Time now, Duration timeout) {
+  constexpr Duration kHour = {std::int64_t{3600} * 1'000'000'000};
+  return now + std::clamp(timeout, Duration{0}, kHour);
+}
+
 class CanBus {
  public:
   CanBus() = default;
@@ -45,10 +52,14 @@ class CanBus {
   virtual void close() = 0;
 
   // Waits up to `timeout` (0: not at all) for a first frame, then takes what is there. Returns how
-  // many were written; data frames only, in order of arrival, stamps on CLOCK_MONOTONIC.
+  // many were written; data frames only, in order of arrival; their stamps, on CLOCK_MONOTONIC,
+  // never go back. When closed or kDown it returns 0 at once.
   virtual std::size_t receive(Duration timeout, std::span<CanFrame> out) = 0;
 
+  // As receive() last saw it.
   virtual CanState state() const = 0;
+  // Why it is kDown, a static text for the log; empty while it is not.
+  virtual const char* lost_reason() const { return ""; }
   virtual std::string description() const = 0;
   virtual const CanCounters& counters() const = 0;
 };

@@ -14,7 +14,6 @@
 #include <optional>
 
 #include "drivers/odometry/can_frame.h"
-#include "platform/base/fixed_vector.h"
 
 namespace zenith {
 
@@ -66,7 +65,5 @@ struct WheelNews {
   std::optional<std::uint32_t> left_error;  // what a drive reports about itself; 0 is none
   std::optional<std::uint32_t> right_error;
 };
-
-using CanIds = FixedVector<CanId, 4>;
 
 }  // namespace zenith

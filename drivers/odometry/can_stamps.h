@@ -1,0 +1,59 @@
+#pragma once
+// The kernel's reception stamps (CLOCK_REALTIME) as CLOCK_MONOTONIC.
+//
+//   monotonic stamp = stamp - (realtime - monotonic), both clocks read at one moment, for each
+//   frame
+//
+// A step of the wall clock between a frame's reception and that moment shifts the result by as
+// much. So a stamp is believed only when it lies after the moment at which the queue was last seen
+// empty, and not after now, both within kSlack; otherwise it is replaced by `now` and counted.
+// Stamps never go back.
+
+#include <algorithm>
+#include <cstdint>
+#include <optional>
+
+#include "platform/base/time.h"
+
+namespace zenith {
+
+class CanStamps {
+ public:
+  // Reading two clocks, and the moment of reception against that of reading, are so exact.
+  static constexpr Duration kSlack = {1'000'000};
+
+  struct Judged {
+    Time stamp;
+    bool replaced = false;
+  };
+
+  // The queue was empty at `now`; also right after open().
+  void seen_empty(Time now) { empty_at_ = now; }
+
+  // For each delivered frame, in order of arrival.
+  Judged judge(std::optional<std::int64_t> realtime_ns, Time now, std::int64_t now_realtime_ns) {
+    Judged judged = {now, true};
+    if (realtime_ns) {
+      // A stamp from nowhere must not overflow: ages are compared, not times.
+      const std::int64_t oldest_ns = (now - empty_at_).ns + kSlack.ns;
+      const std::int64_t age_ns = saturating_difference(now_realtime_ns, *realtime_ns);
+      if (age_ns >= -kSlack.ns && age_ns <= oldest_ns) {
+        judged = {std::min(now, now - Duration{age_ns}), false};
+      }
+    }
+    last_ = judged.stamp = std::max(judged.stamp, last_);
+    return judged;
+  }
+
+ private:
+  static std::int64_t saturating_difference(std::int64_t a, std::int64_t b) {
+    std::int64_t difference = 0;
+    if (!__builtin_sub_overflow(a, b, &difference)) return difference;
+    return a < b ? INT64_MIN : INT64_MAX;
+  }
+
+  Time empty_at_ = {INT64_MIN / 4};
+  Time last_ = {INT64_MIN / 4};
+};
+
+}  // namespace zenith
