@@ -6,8 +6,8 @@
 //
 // A step of the wall clock between a frame's reception and that moment shifts the result by as
 // much. So a stamp is believed only when it lies after the moment at which the queue was last seen
-// empty, and not after now, both within kSlack; otherwise it is replaced by `now` and counted.
-// Stamps never go back.
+// empty, less kMaxHandover, and not after now, but for kSlack; otherwise it is replaced by `now`
+// and counted. Stamps never go back.
 
 #include <algorithm>
 #include <cstdint>
@@ -19,8 +19,11 @@ namespace zenith {
 
 class CanStamps {
  public:
-  // Reading two clocks, and the moment of reception against that of reading, are so exact.
+  // Two clocks are read at one moment as exactly as this.
   static constexpr Duration kSlack = {1'000'000};
+  // From the stamp to the queue: on a realtime kernel the thread in between may have to wait for
+  // the one that reads. Wall clocks step by more; smaller errors are slewed.
+  static constexpr Duration kMaxHandover = {20'000'000};
 
   struct Judged {
     Time stamp;
@@ -35,7 +38,7 @@ class CanStamps {
     Judged judged = {now, true};
     if (realtime_ns) {
       // A stamp from nowhere must not overflow: ages are compared, not times.
-      const std::int64_t oldest_ns = (now - empty_at_).ns + kSlack.ns;
+      const std::int64_t oldest_ns = (now - empty_at_).ns + kMaxHandover.ns;
       const std::int64_t age_ns = saturating_difference(now_realtime_ns, *realtime_ns);
       if (age_ns >= -kSlack.ns && age_ns <= oldest_ns) {
         judged = {std::min(now, now - Duration{age_ns}), false};

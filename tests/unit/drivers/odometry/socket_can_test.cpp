@@ -111,6 +111,23 @@ TEST_F(SocketCan, AStepOfTheWallClockChangesNothing) {
   }
 }
 
+// The kernel stamped it, was held up, and we saw an empty queue in between.
+TEST_F(SocketCan, AFrameThatIsHandedOverLateKeepsItsStamp) {
+  ASSERT_EQ(open_error(bus_), "opened");
+  std::int64_t late_ns = 0;
+  kernel_.spoil = [&](CanDatagram& datagram) { *datagram.stamp_ns -= late_ns; };
+  for (const auto& [ms_late, replaced] : {std::pair{15, 0u}, std::pair{30, 1u}}) {
+    kernel_.advance(ms(100));
+    EXPECT_EQ(receive(), 0u);
+    late_ns = ms(ms_late).ns;
+    data_frame();
+    const Time handed_over = kernel_.now();
+    ASSERT_EQ(receive(), 1u);
+    EXPECT_EQ(out_[0].stamp == handed_over - ms(ms_late), replaced == 0);
+    EXPECT_EQ(bus_.counters().stamps_replaced, replaced);
+  }
+}
+
 TEST_F(SocketCan, StampsFromNowhereOrNoneAreReplaced) {
   ASSERT_EQ(open_error(bus_), "opened");
   Time last = kernel_.now();
