@@ -17,8 +17,4 @@ Result<Parameters> apply_overrides(const Parameters& base,
 // One line a parameter: key, default, range, unit, text.
 std::string describe_parameters();
 
-// Known words near `word`, best first, at most three; none when nothing is near.
-std::vector<std::string> nearest_words(const std::string& word,
-                                       const std::vector<std::string>& known);
-
 }  // namespace zenith::tools

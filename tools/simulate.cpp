@@ -7,9 +7,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include "platform/config/words.h"
 #include "sim/simulation.h"
 #include "tools/atomic_output.h"
-#include "tools/overrides.h"
 #include "tools/recording/writer.h"
 
 namespace zenith::tools {

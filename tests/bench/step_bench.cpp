@@ -9,7 +9,7 @@
 #include "slam/slam.h"
 #include "tests/bench/rendered_drive.h"
 #include "tests/bench/stopwatch.h"
-#include "tools/runner/memory_block.h"
+#include "platform/base/memory_block.h"
 
 namespace zenith::bench {
 namespace {
@@ -39,7 +39,7 @@ class StepRig {
  private:
   RobotConfig robot_;
   Parameters parameters_;
-  tools::MemoryBlock memory_;
+  MemoryBlock memory_;
   std::unique_ptr<Slam> slam_;
   std::size_t next_ = 0;
 };

@@ -24,7 +24,9 @@ enum class Room {
   kSlamWhole,  // all else right in slam/: the step, which calls the stages
   kDrivers,
   kLinux,
+  kConfig,
   kDaemon,
+  kDaemonSimulated,  // its devices that come from the simulator
   kSim,
   kTools,
   kTests,
@@ -36,7 +38,7 @@ Room room_of(std::string_view path) {
     std::string_view prefix;
     Room room;
   };
-  static constexpr std::array<Entry, 17> kRooms = {{
+  static constexpr std::array<Entry, 19> kRooms = {{
       {"platform/base/", Room::kBase},
       {"slam/image/", Room::kSlamImage},
       {"slam/filter/", Room::kSlamFilter},
@@ -50,6 +52,8 @@ Room room_of(std::string_view path) {
       {"slam/", Room::kSlamWhole},
       {"drivers/", Room::kDrivers},
       {"platform/linux/", Room::kLinux},
+      {"platform/config/", Room::kConfig},
+      {"platform/daemon/simulated/", Room::kDaemonSimulated},
       {"platform/daemon/", Room::kDaemon},
       {"sim/", Room::kSim},
       {"tools/", Room::kTools},
@@ -109,6 +113,19 @@ Broken check_driver_include(const std::string& file, const std::string& path) {
   return "drivers include platform/base, platform/linux and plain types of slam alone";
 }
 
+bool is_daemon(Room room) {
+  return room == Room::kDaemon || room == Room::kDaemonSimulated;
+}
+
+Broken check_config_include(const std::string& path) {
+  const Room to = room_of(path);
+  if (to == Room::kBase || to == Room::kConfig || is_plain_slam_type(path) ||
+      path == "drivers/odometry/wheel_codec_config.h") {
+    return {};
+  }
+  return "platform/config includes platform/base, plain types of slam and the codecs' table alone";
+}
+
 Broken check_project_include(const std::string& file, const std::string& path) {
   const Room from = room_of(file);
   const Room to = room_of(path);
@@ -116,11 +133,15 @@ Broken check_project_include(const std::string& file, const std::string& path) {
   if (from == Room::kTests) return {};
   if (to == Room::kTests) return "only tests include tests";
   if (to == Room::kTools && from != Room::kTools) return "only tools and tests include tools";
-  if (to == Room::kSim && from != Room::kSim && from != Room::kTools) {
-    return "only sim, tools and tests include sim";
+  if (to == Room::kSim && from != Room::kSim && from != Room::kTools &&
+      from != Room::kDaemonSimulated) {
+    return "only sim, tools, platform/daemon/simulated and tests include sim";
   }
-  if (to == Room::kDaemon && from != Room::kDaemon) {
+  if (is_daemon(to) && !is_daemon(from)) {
     return "nothing includes platform/daemon but itself and tests";
+  }
+  if (to == Room::kDaemonSimulated && from == Room::kDaemon) {
+    return "zenithd is built without the simulator";
   }
   if (from == Room::kBase) {
     if (to == Room::kBase) return {};
@@ -128,6 +149,7 @@ Broken check_project_include(const std::string& file, const std::string& path) {
   }
   if (is_slam(from)) return check_slam_include(from, to);
   if (from == Room::kDrivers) return check_driver_include(file, path);
+  if (from == Room::kConfig) return check_config_include(path);
   if (from == Room::kLinux) {
     if (to == Room::kBase || to == Room::kLinux || is_plain_slam_type(path)) return {};
     return "platform/linux includes platform/base and plain types of slam alone";
@@ -227,7 +249,8 @@ const std::vector<ForbiddenText>& forbidden_without_exceptions() {
 }
 
 bool has_no_exceptions(Room room) {
-  return is_slam(room) || room == Room::kDrivers || room == Room::kBase || room == Room::kLinux;
+  return is_slam(room) || room == Room::kDrivers || room == Room::kBase || room == Room::kLinux ||
+         room == Room::kConfig;
 }
 
 Broken check_include_line(const std::string& file, const std::string& line) {

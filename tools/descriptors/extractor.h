@@ -2,7 +2,7 @@
 // A FeatureExtractor in memory of its own.
 
 #include "slam/features.h"
-#include "tools/runner/memory_block.h"
+#include "platform/base/memory_block.h"
 
 namespace zenith::tools {
 

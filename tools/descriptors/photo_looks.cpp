@@ -11,7 +11,7 @@
 #include "platform/base/random.h"
 #include "slam/image/corners.h"
 #include "tools/descriptors/looks.h"
-#include "tools/runner/memory_block.h"
+#include "platform/base/memory_block.h"
 
 namespace zenith::tools {
 namespace {

@@ -1,41 +1,29 @@
 #include "tools/recording/robot_file.h"
 
 #include <cstdio>
-#include <optional>
+#include <utility>
 
-#include <toml++/toml.h>
-
+#include "platform/config/robot_settings.h"
 #include "tools/recording/odometry_section.h"
-#include "tools/recording/problems.h"
-#include "tools/recording/toml_keys.h"
 
 namespace zenith::tools {
 namespace {
 
-void read_number(const toml::table& file, const char* section, const char* key, double min,
-                 double max, double& value, Problems& problems) {
-  const std::string name = std::string(section) + "." + key;
-  const auto node = file[section][key];
-  if (!node) return problems.add(0, "missing key " + name);
-  const std::optional<double> number = node.value<double>();
-  if (!number) return problems.add(line_of(*node.node()), name + " is no number");
-  problems.check_range(line_of(*node.node()), name, *number, min, max);
-  value = *number;
-}
-
-void read_sections(const toml::table& file, RobotFile& robot, Problems& problems) {
-  check_keys(file, "", {"wheels", "odometry"}, problems);
-  check_section(file, "wheels", {"track_width_m", "left_scale", "right_scale"}, problems);
-  Wheels& wheels = robot.wheels;
-  read_number(file, "wheels", "track_width_m", 0.02, 5.0, wheels.track_width_m, problems);
-  read_number(file, "wheels", "left_scale", 0.1, 10.0, wheels.left_scale, problems);
-  read_number(file, "wheels", "right_scale", 0.1, 10.0, wheels.right_scale, problems);
-  read_text(file, "odometry", "can_interface", robot.can_interface, problems);
-  read_odometry(file, robot.odometry, problems);
-  if (robot.can_interface.empty() ||
-      robot.can_interface.find_first_of("/ \t") != std::string::npos) {
-    problems.add(0, "odometry.can_interface '" + robot.can_interface + "' is no interface's name");
+Settings settings_of(RobotFile& robot) {
+  Settings settings = wheel_settings(robot.wheels);
+  for (Setting& setting : settings) setting.required = true;
+  const Settings odometry = odometry_settings(robot.odometry);
+  settings.insert(settings.end(), odometry.begin(), odometry.end());
+  Setting interface;
+  interface.key = "odometry.can_interface";
+  interface.at = &robot.can_interface;
+  settings.push_back(std::move(interface));
+  for (Setting& setting : settings) {
+    if (setting.key == "odometry.codec" || setting.key == "odometry.can_interface") {
+      setting.required = true;
+    }
   }
+  return settings;
 }
 
 }  // namespace
@@ -47,10 +35,9 @@ Result<RobotFile> read_robot_file(const std::filesystem::path& path) {
   }
   Problems problems(path);
   RobotFile robot;
-  try {
-    read_sections(toml::parse_file(path.string()), robot, problems);
-  } catch (const toml::parse_error& error) {
-    problems.add(static_cast<int>(error.source().begin.line), std::string(error.description()));
+  read_settings(path, settings_of(robot), problems);
+  if (!is_interface_name(robot.can_interface)) {
+    problems.add(0, "odometry.can_interface '" + robot.can_interface + "' is no interface's name");
   }
   if (problems.any()) return problems.error();
   std::string& dbc = robot.odometry.dbc.file;

@@ -9,7 +9,7 @@
 #include <yaml-cpp/yaml.h>
 #include <Eigen/Geometry>
 
-#include "tools/recording/problems.h"
+#include "platform/config/problems.h"
 
 namespace zenith::tools {
 namespace {

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "platform/config/robot_settings.h"
 #include "tests/support/wheel_bases.h"
 #include "tests/unit/tools/small_recording.h"
 #include "tests/unit/tools/temporary_folder.h"
@@ -103,7 +104,9 @@ TEST_F(OdometrySection, ComesBackAsItWasWritten) {
     EXPECT_EQ(read->odometry.kind, base.config.kind);
     for (const WheelCodecField& field : wheel_codec_fields()) {
       if (!field.belongs_to(base.config.kind)) continue;
-      EXPECT_EQ(toml_value(field, read->odometry), toml_value(field, robot.odometry)) << field.key;
+      EXPECT_EQ(toml_value(odometry_setting(field, read->odometry)),
+                toml_value(odometry_setting(field, robot.odometry)))
+          << field.key;
     }
   }
 }
@@ -115,10 +118,13 @@ TEST_F(OdometrySection, TellsMistakesWithTheirLines) {
                               "odometry.wheel_radius_m?"),
                     HasSubstr("robot.toml:10: unknown key odometry.odrive.left_nod"),
                     HasSubstr("robot.toml:11: odometry.odrive.right_node is no whole number"),
-                    HasSubstr("robot.toml:12: odometry.odrive.quantity is neither")));
+                    HasSubstr("robot.toml:12: odometry.odrive.quantity 'speed' is unknown; known: "
+                              "position, velocity")));
   EXPECT_THAT(refusal("codec = \"vesc\"\ngear_ratio = 0.0\n[odometry.vesc]\nleft_id = 1\n"),
-              AllOf(HasSubstr("robot.toml: odometry of codec vesc: gear_ratio is 0"),
-                    HasSubstr("1 for both wheels")));
+              HasSubstr("robot.toml:8: odometry.gear_ratio is 0, expected 0.01 .. 1000"));
+  EXPECT_THAT(refusal("codec = \"vesc\"\n[odometry.vesc]\nleft_id = 1\n"),
+              HasSubstr("robot.toml: odometry of codec vesc: vesc: the controller's id "
+                        "is 1 for both"));
   EXPECT_THAT(refusal("codec = \"dbc\"\nodrive = 3\n"), HasSubstr("odometry.odrive is no section"));
   EXPECT_THAT(refusal("wheel_radius_m = 0.1\n"), HasSubstr("missing key odometry.codec"));
   EXPECT_THAT(refusal("codec = \"canbus\"\n"),
@@ -145,8 +151,9 @@ TEST(OdometryKeys, AreDocumented) {
     if (field.max > field.min) {
       std::snprintf(range, sizeof range, "%.10g .. %.10g", field.min, field.max);
     }
-    std::string row = "| `" + std::string(field.key) + "` | " + toml_value(field, defaults) +
-                      " | " + range + " | " + std::string(field.unit) + " | ";
+    std::string row = "| `" + std::string(field.key) + "` | " +
+                      toml_value(odometry_setting(field, defaults)) + " | " + range + " | " +
+                      std::string(field.unit) + " | ";
     row += std::string(field.text) + " |\n";
     if (page.find(row) == std::string::npos) missing += row;
   }

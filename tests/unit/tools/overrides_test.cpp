@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "platform/config/words.h"
+
 namespace zenith::tools {
 namespace {
 

@@ -8,7 +8,7 @@
 
 #include "platform/base/result.h"
 
-namespace zenith::tools {
+namespace zenith {
 
 class Problems {
  public:
@@ -36,4 +36,4 @@ class Problems {
   std::string text_;
 };
 
-}  // namespace zenith::tools
+}  // namespace zenith
