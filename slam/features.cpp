@@ -31,13 +31,13 @@ void FeatureExtractor::build(const RobotConfig& robot, const Parameters& paramet
   rectifier_.build(robot.lens, robot.mount, pinhole_);
 }
 
-void FeatureExtractor::adapt_threshold(std::size_t corners) {
+void FeatureExtractor::adapt_threshold(std::size_t corners, int wanted) {
   const auto count = static_cast<double>(corners);
   double& threshold = settings_.min_eigenvalue;
-  if (count < kFewCorners * settings_.max_corners) {
+  if (count < kFewCorners * wanted) {
     threshold =
         std::max(threshold * kThresholdStep, std::min(kWeakestThreshold, strongest_threshold_));
-  } else if (count > kEnoughCorners * settings_.max_corners) {
+  } else if (count > kEnoughCorners * wanted) {
     threshold = std::min(threshold / kThresholdStep, strongest_threshold_);
   }
 }
@@ -49,15 +49,17 @@ bool FeatureExtractor::sees(const Eigen::Vector2d& m, int margin_px) const {
                          static_cast<int>(std::lround(at.y())), margin_px);
 }
 
-Features& FeatureExtractor::extract(const ImageView& frame) {
+Features& FeatureExtractor::extract(const ImageView& frame, int corners_max) {
   Corners& corners = corners_[0];
   Features& features = features_[0];
   features.clear();
   const MutableImageView image = {rectified_.data(), kRectifiedSize, kRectifiedSize,
                                   kRectifiedSize};
   rectifier_.apply(frame, image);
-  detector_.detect(image, settings_, corners);
-  adapt_threshold(corners.size());
+  CornerSettings settings = settings_;
+  settings.max_corners = std::min(settings.max_corners, corners_max);
+  detector_.detect(image, settings, corners);
+  adapt_threshold(corners.size(), settings.max_corners);
   for (const Corner& corner : corners) {
     const int u = static_cast<int>(std::lround(corner.u_px));
     const int v = static_cast<int>(std::lround(corner.v_px));

@@ -24,8 +24,8 @@ class FeatureExtractor {
   void layout(Arena& arena);
   void build(const RobotConfig& robot, const Parameters& parameters);
 
-  // Features of a frame, strongest first; valid until the next call.
-  Features& extract(const ImageView& frame);
+  // Features of a frame, strongest first, at most `corners_max`; valid until the next call.
+  Features& extract(const ImageView& frame, int corners_max = kMaxCorners);
 
   const Pinhole& pinhole() const { return pinhole_; }
   // The rectified image of the last frame.
@@ -36,7 +36,7 @@ class FeatureExtractor {
 
  private:
   Pinhole pinhole_;
-  void adapt_threshold(std::size_t corners);
+  void adapt_threshold(std::size_t corners, int wanted);
 
   CornerSettings settings_;
   double strongest_threshold_ = 0.0;  // as configured

@@ -51,7 +51,7 @@ bool Slam::State::begin(const StepInput& input) {
   now = at.total;
   if (!has_used) used = now;
   travel = {now.left_m - used.left_m, now.right_m - used.right_m};
-  features = &extractor.extract(input.frame);
+  features = &extractor.extract(input.frame, input.corners_max);
   output.stamp = input.stamp;
   output.corners = static_cast<int>(features->size());
   return mapper.worth_using(travel);

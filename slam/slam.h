@@ -31,6 +31,7 @@ struct StepInput {
   std::span<const WheelSample>
       wheels;  // all since the last step, in order; the last one at or
                // after `stamp`, or the travel is extrapolated (and counted)
+  int corners_max = kMaxCorners;  // fewer than Parameters::corners_max sheds load in this frame
 };
 
 struct StepOutput {
