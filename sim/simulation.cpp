@@ -126,6 +126,7 @@ Result<Simulation> Simulation::load(const std::filesystem::path& world_toml,
   if (!plan) return plan.error();
   auto world = std::make_unique<World>();
   world->file = std::move(*file);
+  if (options.frame_rate_hz > 0.0) world->file.frame_rate_hz = options.frame_rate_hz;
   world->options = options;
   world->plan = std::move(*plan);
   world->seed = mix_seed(options.seed, "world", world->file.seed);

@@ -27,6 +27,7 @@ struct SimOptions {
   // Only pixels whose ray lies within this angle of the optical axis are rendered; the others are
   // black. 180: the whole image.
   double max_view_angle_deg = 180.0;
+  double frame_rate_hz = 0.0;  // 0: the world file's
 };
 
 struct SimFrame {

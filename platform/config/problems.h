@@ -1,10 +1,13 @@
 #pragma once
-// Collects everything that is wrong with a file, so that it is told at once.
+// Collects everything that is wrong with a file, so that it is told at once, in the order of lines.
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "platform/base/result.h"
 
@@ -14,10 +17,15 @@ class Problems {
  public:
   explicit Problems(const std::filesystem::path& path) : path_(path.string()) {}
 
-  // Line 0: the file as a whole.
+  // Line 0: the file as a whole. A text of several lines is as many problems.
   void add(int line, const std::string& what) {
-    text_ += (text_.empty() ? "" : "\n") + path_ + (line > 0 ? ":" + std::to_string(line) : "") +
-             ": " + what;
+    const std::string place = path_ + (line > 0 ? ":" + std::to_string(line) : "") + ": ";
+    std::size_t begin = 0;
+    while (begin <= what.size()) {
+      const std::size_t end = std::min(what.find('\n', begin), what.size());
+      lines_.emplace_back(line, place + what.substr(begin, end - begin));
+      begin = end + 1;
+    }
   }
 
   // Checks that `value` is a number in [min, max].
@@ -28,12 +36,19 @@ class Problems {
     add(line, key + what);
   }
 
-  bool any() const { return !text_.empty(); }
-  Error error() const { return {text_}; }
+  bool any() const { return !lines_.empty(); }
+  Error error() const {
+    auto sorted = lines_;
+    std::stable_sort(sorted.begin(), sorted.end(),
+                     [](const auto& a, const auto& b) { return a.first < b.first; });
+    std::string text;
+    for (const auto& [line, what] : sorted) text += (text.empty() ? "" : "\n") + what;
+    return {text};
+  }
 
  private:
   std::string path_;
-  std::string text_;
+  std::vector<std::pair<int, std::string>> lines_;
 };
 
 }  // namespace zenith

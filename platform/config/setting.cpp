@@ -129,13 +129,15 @@ void check_names(const toml::table& table, const std::string& prefix, const Sett
   }
 }
 
-void read_one(const toml::table& file, const Setting& setting, Problems& problems) {
+void read_one(const toml::table& file, const Setting& setting, KeyLines& lines,
+              Problems& problems) {
   const auto found = file.at_path(setting.key);
   if (!found) {
     if (setting.required) problems.add(0, "missing key " + setting.key);
     return;
   }
   const int line = line_of(*found.node());
+  lines.add(setting.key, line);
   const std::string problem = std::visit(Assign{*found.node()}, setting.at);
   if (!problem.empty()) return problems.add(line, setting.key + problem);
   const std::optional<double> number = number_of(setting);
@@ -167,16 +169,18 @@ struct Write {
 
 }  // namespace
 
-void read_settings(const std::filesystem::path& file, const Settings& settings,
-                   Problems& problems) {
+KeyLines read_settings(const std::filesystem::path& file, const Settings& settings,
+                       Problems& problems) {
+  KeyLines lines;
   const toml::parse_result parsed = toml::parse_file(file.string());
   if (!parsed) {
     const toml::parse_error& error = parsed.error();
     problems.add(static_cast<int>(error.source().begin.line), std::string(error.description()));
-    return;
+    return lines;
   }
   check_names(parsed.table(), "", settings, problems);
-  for (const Setting& setting : settings) read_one(parsed.table(), setting, problems);
+  for (const Setting& setting : settings) read_one(parsed.table(), setting, lines, problems);
+  return lines;
 }
 
 std::string toml_value(const Setting& setting) {

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <string>
 #include <utility>
 #include <variant>
@@ -39,6 +40,19 @@ struct Setting {
 
 using Settings = std::vector<Setting>;
 
+// Where keys stand in a file; of those that do not, line 0.
+class KeyLines {
+ public:
+  void add(const std::string& key, int line) { lines_[key] = line; }
+  int of(const std::string& key) const {
+    const auto found = lines_.find(key);
+    return found == lines_.end() ? 0 : found->second;
+  }
+
+ private:
+  std::map<std::string, int> lines_;
+};
+
 // A value of an enum, as words in the order of its numbers, which count from 0.
 template <typename Enum>
 Choice choice_of(Enum& value, std::vector<std::string> words) {
@@ -48,8 +62,10 @@ Choice choice_of(Enum& value, std::vector<std::string> words) {
 
 // Reads the file into the settings' values. Keys that are not there keep their values. Everything
 // that is wrong is told, each with its line: unknown keys with a guess of what was meant, wrong
-// types, values out of range. Relations between keys are the caller's to check.
-void read_settings(const std::filesystem::path& file, const Settings& settings, Problems& problems);
+// types, values out of range. Relations between keys are the caller's to check; it gets the lines
+// of the keys that are there.
+KeyLines read_settings(const std::filesystem::path& file, const Settings& settings,
+                       Problems& problems);
 
 // The value, as TOML writes it.
 std::string toml_value(const Setting& setting);

@@ -35,9 +35,10 @@ Result<RobotFile> read_robot_file(const std::filesystem::path& path) {
   }
   Problems problems(path);
   RobotFile robot;
-  read_settings(path, settings_of(robot), problems);
+  const KeyLines lines = read_settings(path, settings_of(robot), problems);
   if (!is_interface_name(robot.can_interface)) {
-    problems.add(0, "odometry.can_interface '" + robot.can_interface + "' is no interface's name");
+    problems.add(lines.of("odometry.can_interface"),
+                 "odometry.can_interface '" + robot.can_interface + "' is no interface's name");
   }
   if (problems.any()) return problems.error();
   std::string& dbc = robot.odometry.dbc.file;

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <numbers>
 #include <vector>
 
 #include <yaml-cpp/yaml.h>
 #include <Eigen/Geometry>
 
 #include "platform/config/problems.h"
+#include "platform/config/robot_settings.h"
 
 namespace zenith::tools {
 namespace {
@@ -49,15 +49,6 @@ void check_word(const YAML::Node& node, const std::string& key, const std::strin
                                   ", expected " + expected);
 }
 
-// theta_d must rise with theta as far as the image is used, or the lens folds rays onto each other.
-bool rises(const Lens& lens) {
-  constexpr double kUsed_rad = 75.0 * std::numbers::pi / 180.0;
-  for (double theta = 0.0; theta < kUsed_rad; theta += 0.01) {
-    if (lens.distort(theta + 0.01) <= lens.distort(theta)) return false;
-  }
-  return true;
-}
-
 void read_lens(const YAML::Node& file, Lens& lens, Problems& problems) {
   check_word(file["distortion_model"], "distortion_model", "equidistant", problems);
   const auto size = read_list(file["resolution"], "resolution", 2, problems);
@@ -83,7 +74,7 @@ void read_lens(const YAML::Node& file, Lens& lens, Problems& problems) {
   const auto k = read_list(file["distortion_coefficients"], "distortion_coefficients", 4, problems);
   if (k.empty()) return;
   std::copy(k.begin(), k.end(), lens.k.begin());
-  if (!rises(lens)) {
+  if (folds(lens)) {
     problems.add(line_of(file["distortion_coefficients"]),
                  "distortion_coefficients fold the image over itself");
   }

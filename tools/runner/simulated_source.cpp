@@ -1,18 +1,14 @@
 #include "tools/runner/simulated_source.h"
 
-#include <algorithm>
-#include <cmath>
-#include <numbers>
 #include <utility>
 
 #include "drivers/odometry/wheel_decoder.h"
 #include "sim/simulation.h"
+#include "sim/view_angle.h"
 #include "tools/runner/wheel_queue.h"
 
 namespace zenith::tools {
 namespace {
-
-constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 class SimulatedSource : public Source {
  public:
@@ -46,30 +42,13 @@ class SimulatedSource : public Source {
 
 }  // namespace
 
-double max_view_angle_deg(const Parameters& parameters, const RobotConfig& robot) {
-  constexpr double kMargin_deg = 4.0;
-  const double half_fov = 0.5 * parameters.rectified_fov_deg / kDegrees;
-  const double corner = std::atan(std::numbers::sqrt2 * std::tan(half_fov));
-  const double tilt = std::acos(
-      std::clamp(std::cos(robot.mount.roll_rad) * std::cos(robot.mount.pitch_rad), -1.0, 1.0));
-  return std::min(180.0, (corner + tilt) * kDegrees + kMargin_deg);
-}
-
 Result<SimulatedTeam> simulate_team(const std::string& world, std::uint64_t seed, double duration_s,
                                     const Parameters& parameters) {
   const std::filesystem::path path = sim::find_world(world);
   sim::SimOptions options;
   options.seed = seed;
   options.max_duration_s = duration_s;
-  auto loaded = sim::Simulation::load(path, options);
-  if (!loaded.ok()) return loaded.error();
-  // The mounts are known only now: load again, with what the cameras need to see.
-  double angle = 0.0;
-  for (std::size_t robot = 0; robot < loaded->robot_count(); ++robot) {
-    angle = std::max(angle, max_view_angle_deg(parameters, loaded->drive(robot).config()));
-  }
-  options.max_view_angle_deg = angle;
-  loaded = sim::Simulation::load(path, options);
+  auto loaded = sim::load_what_is_seen(path, options, parameters.rectified_fov_deg);
   if (!loaded.ok()) return loaded.error();
   const auto simulation = std::make_shared<const sim::Simulation>(std::move(*loaded));
   SimulatedTeam team;

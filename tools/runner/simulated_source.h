@@ -22,8 +22,4 @@ struct SimulatedTeam {
 Result<SimulatedTeam> simulate_team(const std::string& world, std::uint64_t seed, double duration_s,
                                     const Parameters& parameters);
 
-// From the optical axis to the farthest direction that the rectified image shows, for a camera
-// that is tilted as in `robot`: corner of the image, tilt, and a margin.
-double max_view_angle_deg(const Parameters& parameters, const RobotConfig& robot);
-
 }  // namespace zenith::tools

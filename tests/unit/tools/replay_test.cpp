@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "sim/view_angle.h"
 #include "tests/support/wheel_bases.h"
 #include "tests/unit/tools/temporary_folder.h"
 #include "tools/atomic_output.h"
@@ -201,9 +202,9 @@ TEST(ViewAngle, CoversTheCornerOfTheRectifiedImage) {
   parameters.rectified_fov_deg = 90.0;
   RobotConfig robot;
   // The corner of a 90 degree image: atan(sqrt 2) = 54.74 degrees; four more as a margin.
-  EXPECT_NEAR(max_view_angle_deg(parameters, robot), 58.7356, 1e-3);
+  EXPECT_NEAR(sim::max_view_angle_deg(parameters.rectified_fov_deg, robot), 58.7356, 1e-3);
   robot.mount.pitch_rad = 0.1;
-  EXPECT_NEAR(max_view_angle_deg(parameters, robot), 58.7356 + 5.7296, 1e-3);
+  EXPECT_NEAR(sim::max_view_angle_deg(parameters.rectified_fov_deg, robot), 58.7356 + 5.7296, 1e-3);
 }
 
 }  // namespace
