@@ -9,12 +9,20 @@ namespace {
 
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
 
+std::int64_t read_ns(clockid_t clock) {
+  timespec now = {};
+  clock_gettime(clock, &now);
+  return now.tv_sec * kSecond_ns + now.tv_nsec;
+}
+
 }  // namespace
 
 Time monotonic_now() {
-  timespec now = {};
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return {now.tv_sec * kSecond_ns + now.tv_nsec};
+  return {read_ns(CLOCK_MONOTONIC)};
+}
+
+Duration thread_cpu_time() {
+  return {read_ns(CLOCK_THREAD_CPUTIME_ID)};
 }
 
 void sleep_until(Time wake) {

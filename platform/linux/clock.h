@@ -9,6 +9,9 @@ namespace zenith {
 
 Time monotonic_now();
 
+// How long the calling thread has computed: what passes beyond that, it waited, or others ran.
+Duration thread_cpu_time();
+
 // Returns at once when `wake` has passed. Signals do not shorten it.
 void sleep_until(Time wake);
 

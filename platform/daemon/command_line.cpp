@@ -1,0 +1,170 @@
+// The program around run_daemon(): arguments, and what is answered without running.
+
+#include <cstdio>
+#include <exception>
+#include <string>
+#include <string_view>
+
+#include "platform/daemon/config_text.h"
+#include "platform/daemon/daemon.h"
+#include "platform/daemon/telemetry_socket.h"
+#include "platform/daemon/version.h"
+#include "platform/linux/realtime.h"
+#include "platform/linux/signals.h"
+#include "slam/slam.h"
+
+namespace zenith {
+namespace {
+
+constexpr const char* kHelp =
+    R"(Maps the ceiling with one camera and wheel odometry, as a service on the robot.
+
+Usage:
+  %s --config FILE           run until SIGTERM or SIGINT
+  %s --config FILE --check   say what is wrong with the file, or what would be done
+  %s --print-config          every key with its default: a file to start from
+  %s --print-reference       the same as docs/configuration.md
+  %s --version, --help
+
+A first file:
+  zenithd --print-config > zenith.toml    then set [camera], [lens], [mount], [wheels], [odometry]
+  zenithd --config zenith.toml --check
+
+Without a robot: zenithd-sim --config config/simulated.toml is the same program with a simulated
+camera and CAN bus.
+
+Signals: SIGHUP reads the file again and takes over what may change while running; a file with a
+mistake changes nothing and the log says what is wrong. SIGTERM and SIGINT end the program within
+a second.
+
+It tells how it is on standard error (journald's levels when started by systemd), on LEDs, and on
+a local socket, a line of JSON each:
+  socat -u UNIX-CONNECT:/run/zenith/telemetry.sock,type=5 -
+
+Exit codes: 0 ended as asked or the file is good, 1 failed, 2 wrong arguments or configuration.
+docs/daemon.md explains more, docs/configuration.md every key.
+)";
+
+struct Arguments {
+  std::string config;
+  bool check = false;
+  bool version = false;
+  bool help = false;
+  bool print_config = false;
+  bool print_reference = false;
+};
+
+Result<Arguments> parse(int argc, char** argv) {
+  Arguments arguments;
+  for (int i = 1; i < argc; ++i) {
+    const std::string_view word = argv[i];
+    if (word == "--config" && i + 1 < argc) {
+      arguments.config = argv[++i];
+    } else if (word.substr(0, 9) == "--config=") {
+      arguments.config = word.substr(9);
+    } else if (word == "--check") {
+      arguments.check = true;
+    } else if (word == "--version") {
+      arguments.version = true;
+    } else if (word == "--help" || word == "-h") {
+      arguments.help = true;
+    } else if (word == "--print-config") {
+      arguments.print_config = true;
+    } else if (word == "--print-reference") {
+      arguments.print_reference = true;
+    } else if (word == "--config") {
+      return Error{"--config needs a file"};
+    } else {
+      return Error{"unknown argument '" + std::string(word) + "'"};
+    }
+  }
+  return arguments;
+}
+
+std::string_view base_name(std::string_view path) {
+  const std::size_t slash = path.rfind('/');
+  return slash == std::string_view::npos ? path : path.substr(slash + 1);
+}
+
+void print_limits(const RealtimeConfig& realtime) {
+  const RealtimeLimits limits = realtime_limits();
+  std::printf("realtime:  SCHED_FIFO %d (this shell's limit: %llu), CPUs %s\n", realtime.priority,
+              static_cast<unsigned long long>(limits.fifo_priority),
+              realtime.cpus.empty() ? "any" : realtime.cpus.c_str());
+  if (!realtime.lock_memory) {
+    std::printf("memory:    not locked\n");
+  } else if (limits.locked_bytes == RealtimeLimits::kUnlimited) {
+    std::printf("memory:    locked (this shell's limit: none)\n");
+  } else {
+    std::printf("memory:    locked (this shell's limit: %llu KiB)\n",
+                static_cast<unsigned long long>(limits.locked_bytes / 1024));
+  }
+}
+
+int check(const DaemonConfig& config, MakeDevices make_devices) {
+  const auto devices = make_devices(config);
+  if (!devices) {
+    std::fprintf(stderr, "%s\n", devices.error().message.c_str());
+    return 2;
+  }
+  const Lens& lens = devices->robot.lens;
+  std::printf("robot:     %s\n", config.name.c_str());
+  std::printf("devices:   %s\n", devices->description.c_str());
+  std::printf("frames:    %d x %d, %g a second\n", lens.width_px, lens.height_px,
+              devices->robot.frame_rate_hz);
+  std::printf("map:       %d particles, %zu KiB\n", config.slam.particles,
+              Slam::memory_needed(config.slam) / 1024);
+  print_limits(config.realtime);
+  std::printf("telemetry: %s\n",
+              config.telemetry.enabled ? runtime_path(config.telemetry.socket).c_str() : "none");
+  std::printf("The configuration is good. Devices were not opened.\n");
+  return 0;
+}
+
+int run(int argc, char** argv, MakeDevices make_devices) {
+  const std::string name(base_name(argv[0]));
+  const auto arguments = parse(argc, argv);
+  if (!arguments) {
+    std::fprintf(stderr, "%s: %s; see %s --help\n", name.c_str(), arguments.error().message.c_str(),
+                 name.c_str());
+    return 2;
+  }
+  if (arguments->help) {
+    const char* n = name.c_str();
+    std::printf(kHelp, n, n, n, n, n);
+    return 0;
+  }
+  if (arguments->version) return std::printf("%s %s\n", name.c_str(), kVersion) > 0 ? 0 : 1;
+  if (arguments->print_config) return std::fputs(annotated_config().c_str(), stdout) < 0 ? 1 : 0;
+  if (arguments->print_reference) return std::fputs(config_reference().c_str(), stdout) < 0 ? 1 : 0;
+  if (arguments->config.empty()) {
+    std::fprintf(stderr, "%s: --config FILE is missing; see %s --help\n", name.c_str(),
+                 name.c_str());
+    return 2;
+  }
+  Signals signals;
+  if (const Status opened = signals.open(); !opened) {
+    std::fprintf(stderr, "%s: %s\n", name.c_str(), opened.error().message.c_str());
+    return 1;
+  }
+  const auto config = read_daemon_config(arguments->config);
+  if (!config) {
+    std::fprintf(stderr, "%s\n", config.error().message.c_str());
+    return 2;
+  }
+  if (arguments->check) return check(*config, make_devices);
+  return run_daemon(*config, arguments->config, make_devices, signals);
+}
+
+}  // namespace
+
+int daemon_main(int argc, char** argv, MakeDevices make_devices) {
+  try {
+    return run(argc, argv, make_devices);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "zenithd: error: %s\n", error.what());
+    return 1;
+  }
+}
+
+}  // namespace zenith

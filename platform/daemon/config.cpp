@@ -1,0 +1,326 @@
+#include "platform/daemon/config.h"
+
+#include <charconv>
+#include <numbers>
+#include <utility>
+
+#include "drivers/leds/led_output.h"
+#include "platform/config/robot_settings.h"
+
+namespace zenith {
+namespace {
+
+constexpr double kRadPerDeg = std::numbers::pi / 180.0;
+
+void append(Settings& to, Settings more) {
+  for (Setting& setting : more) to.push_back(std::move(setting));
+}
+
+Settings live(Settings settings) {
+  for (Setting& setting : settings) setting.live = true;
+  return settings;
+}
+
+Settings camera_settings(DaemonConfig& c) {
+  return {
+      {"camera.driver", "", 0, 0,
+       "v4l2: a camera of the kernel; simulated: a made-up building, see [simulation]",
+       choice_of(c.camera_driver, {"v4l2", "simulated"})},
+      {"camera.device", "", 0, 0,
+       "/dev/video0, /dev/v4l/by-id/..., \"name:PART of the card's name\" or \"bus:PART of the "
+       "bus information\"; the last three find it again when its number has changed",
+       &c.camera.device},
+      {"camera.rate_hz", "1/s", 0.1, 1000,
+       "a wish: the slowest rate that the camera offers and that is not slower, else its fastest",
+       &c.camera.rate_hz},
+      {"camera.format", "", 0, 0, "auto, or a fourcc such as GREY, YUYV, NV12", &c.camera.format},
+      {"camera.buffers", "", 2, 32, "frames that the driver may fill ahead", &c.camera.buffers},
+      {"camera.copy", "", 0, 0,
+       "copy each frame into ordinary memory: for drivers whose buffers are slow to read",
+       &c.camera.copy},
+      {"camera.stall_s", "s", 0.01, 3600, "no frame for so long: the stream is started anew",
+       &c.camera.stall_s},
+      {"camera.first_frame_s", "s", 0.01, 3600, "the same for the first frame after a start",
+       &c.camera.first_frame_s},
+      {"camera.exposure", "", 0, 0, "leave it as it is, automatic, or exposure_us",
+       choice_of(c.camera.exposure, {"leave", "auto", "manual"})},
+      {"camera.exposure_us", "us", 1, 1e6, "for exposure = \"manual\"; short ones blur less",
+       &c.camera.exposure_us},
+      {"camera.gain", "", -1, 1e6,
+       "in the driver's own units, switches automatic gain off; -1: leave it", &c.camera_gain},
+      {"camera.power_line", "", 0, 0, "the lamps' frequency, against flicker",
+       choice_of(c.camera.power_line, {"leave", "off", "50Hz", "60Hz", "auto"})},
+  };
+}
+
+Settings lens_settings(Lens& lens) {
+  return {
+      {"lens.width_px", "px", 16, 8192, "size of the frames; the camera must offer it",
+       &lens.width_px},
+      {"lens.height_px", "px", 16, 8192, "the same", &lens.height_px},
+      {"lens.fu_px", "px", 1, 1e5, "focal length along columns", &lens.fu_px},
+      {"lens.fv_px", "px", 1, 1e5, "focal length along rows", &lens.fv_px},
+      {"lens.cu_px", "px", 0, 8192, "column of the optical axis; the first pixel's centre is 0",
+       &lens.cu_px},
+      {"lens.cv_px", "px", 0, 8192, "row of the optical axis", &lens.cv_px},
+      {"lens.k1", "", -10, 10, "distortion, see above", &lens.k[0]},
+      {"lens.k2", "", -10, 10, "the same", &lens.k[1]},
+      {"lens.k3", "", -10, 10, "the same", &lens.k[2]},
+      {"lens.k4", "", -10, 10, "the same", &lens.k[3]},
+  };
+}
+
+Settings mount_settings(MountConfig& mount) {
+  return {
+      {"mount.x_m", "m", -10, 10, "forward of the middle between the wheels", &mount.x_m},
+      {"mount.y_m", "m", -10, 10, "to the left of it", &mount.y_m},
+      {"mount.z_m", "m", -1, 10, "above the floor", &mount.z_m},
+      {"mount.roll_deg", "deg", -60, 60, "lean to the side", &mount.roll_deg},
+      {"mount.pitch_deg", "deg", -60, 60, "lean forward", &mount.pitch_deg},
+      {"mount.yaw_deg", "deg", -180, 180, "turn of the image: 0 when its columns point forward",
+       &mount.yaw_deg},
+  };
+}
+
+Settings device_settings(DaemonConfig& c) {
+  Settings settings = {
+      {"odometry.driver", "", 0, 0, "socketcan: an interface of the kernel; simulated",
+       choice_of(c.odometry_driver, {"socketcan", "simulated"})},
+      {"odometry.can_interface", "", 0, 0, "brought up by the system, not by zenithd",
+       &c.can_interface},
+  };
+  Setting patience = {"odometry.patience_s",
+                      "s",
+                      0.0,
+                      1.0,
+                      "a frame waits so long for the wheels' travel at its moment; then the travel "
+                      "is extrapolated",
+                      &c.odometry_patience_s};
+  patience.live = true;
+  settings.push_back(std::move(patience));
+  append(settings, odometry_settings(c.odometry));
+  return settings;
+}
+
+Settings machine_settings(DaemonConfig& c) {
+  Settings settings = {
+      {"realtime.priority", "", 0, 99, "SCHED_FIFO of the perception thread; 0: none",
+       &c.realtime.priority},
+      {"realtime.cpus", "", 0, 0, "CPUs of the perception thread, such as \"2-3\"; empty: any",
+       &c.realtime.cpus},
+      {"realtime.lock_memory", "", 0, 0, "keep all memory in RAM", &c.realtime.lock_memory},
+      {"realtime.hold_cpu_awake", "", 0, 0,
+       "no deep sleep of the CPUs, from which they wake late; costs power",
+       &c.realtime.hold_cpu_awake},
+  };
+  append(settings,
+         live({
+             {"load.busy_share", "", 0.1, 1.0,
+              "a step that takes more of a frame's period than this sheds corners",
+              &c.load.busy_share},
+             {"load.corners_min", "", 8, 128, "fewer are never taken", &c.load.corners_min},
+         }));
+  append(settings,
+         {
+             {"telemetry.enabled", "", 0, 0, "whether there is a socket", &c.telemetry.enabled},
+             {"telemetry.socket", "", 0, 0,
+              "its path; a relative one lies in the service's runtime folder", &c.telemetry.socket},
+         });
+  append(settings, live({
+                       {"telemetry.rate_hz", "1/s", 0.1, 100, "pose lines a second, at most",
+                        &c.telemetry.rate_hz},
+                   }));
+  return settings;
+}
+
+Settings led_settings(LedSettings& leds) {
+  Settings settings;
+  constexpr const char* kNames[kLedCount] = {"status", "peer", "fault"};
+  constexpr const char* kTexts[kLedCount] = {
+      "shows every state; gpio:NAME, gpiochip-label:LABEL:OFFSET, gpiochip:/dev/gpiochipN:OFFSET, "
+      "led:NAME, or empty: none",
+      "shows that maps are merged", "shows that something is missing or wrong"};
+  for (std::size_t i = 0; i < leds.leds.size(); ++i) {
+    const std::string key = std::string("leds.") + kNames[i];
+    settings.push_back({key, "", 0, 0, kTexts[i], &leds.leds[i].name});
+    settings.push_back(
+        {key + "_active_low", "", 0, 0, "lit when the GPIO line is low", &leds.leds[i].active_low});
+  }
+  return live(std::move(settings));
+}
+
+Settings algorithm_settings(Parameters& parameters) {
+  Settings settings = slam_settings(parameters);
+  for (Setting& setting : settings) {
+    if (setting.key == "slam.corners_max") setting.live = true;
+  }
+  return settings;
+}
+
+Settings simulation_settings(SimulationConfig& simulation) {
+  return {
+      {"simulation.world", "", 0, 0, "a name of docs/worlds.md, or a file", &simulation.world},
+      {"simulation.robot", "", 0, 0, "one of the world's; empty: its first", &simulation.robot},
+      {"simulation.seed", "", 0, 1e15, "decides looks, errors and noise", &simulation.seed},
+      {"simulation.frame_rate_hz", "1/s", 0, 60, "of the camera; 0: the world's",
+       &simulation.frame_rate_hz},
+  };
+}
+
+// --- relations between keys ----------------------------------------------------------------------
+
+void check_devices(const DaemonConfig& c, const KeyLines& lines, Problems& problems) {
+  const bool simulated_can = c.odometry_driver == OdometryDriver::kSimulated;
+  if (c.is_simulated() != simulated_can) {
+    problems.add(lines.of(c.is_simulated() ? "camera.driver" : "odometry.driver"),
+                 "camera.driver and odometry.driver: either both are simulated or neither: one "
+                 "robot has one world");
+  }
+  const int codec = lines.of("odometry.codec");
+  if (simulated_can && c.odometry.kind != WheelCodecKind::kAgilexV2) {
+    problems.add(codec, "odometry.codec: simulated robots speak agilex_v2");
+  }
+  if (!is_interface_name(c.can_interface)) {
+    problems.add(lines.of("odometry.can_interface"),
+                 "odometry.can_interface '" + c.can_interface + "' is no interface's name");
+  }
+  if (const auto decoder = make_wheel_decoder(c.odometry); !decoder) {
+    problems.add(codec, decoder.error().message);
+  }
+  if (const auto leds = make_led_output(c.leds); !leds) {
+    problems.add(lines.of("leds.status"), "leds: " + leds.error().message);
+  }
+}
+
+void check_relations(const DaemonConfig& c, const KeyLines& lines, Problems& problems) {
+  const auto check = [&](bool good, const char* key, const std::string& what) {
+    if (!good) problems.add(lines.of(key), key + what);
+  };
+  check(c.lens.cu_px < c.lens.width_px, "lens.cu_px", " lies outside of the frame");
+  check(c.lens.cv_px < c.lens.height_px, "lens.cv_px", " lies outside of the frame");
+  check(!folds(c.lens), "lens.k1", " .. k4 fold the image over itself");
+  check(c.slam.min_height_m < c.slam.max_height_m, "slam.min_height_m",
+        " is not below slam.max_height_m");
+  check(c.load.corners_min <= c.slam.corners_max, "load.corners_min", " is above slam.corners_max");
+  const auto cpus = parse_cpus(c.realtime.cpus);
+  check(cpus.ok(), "realtime.cpus", cpus ? "" : ": " + cpus.error().message);
+  check(!c.telemetry.enabled || !c.telemetry.socket.empty(), "telemetry.socket",
+        " is empty; telemetry.enabled = false switches it off");
+  check(!c.name.empty(), "robot.name", " is empty");
+}
+
+// "7" of "7,9-11"; false when there is none below 64.
+bool take_cpu(const char*& at, const char* end, unsigned& cpu) {
+  const auto [stop, status] = std::from_chars(at, end, cpu);
+  at = stop;
+  return status == std::errc() && cpu < 64;
+}
+
+}  // namespace
+
+RobotConfig DaemonConfig::robot() const {
+  RobotConfig config;
+  config.lens = lens;
+  config.mount = {mount.x_m,
+                  mount.y_m,
+                  mount.z_m,
+                  mount.roll_deg * kRadPerDeg,
+                  mount.pitch_deg * kRadPerDeg,
+                  mount.yaw_deg * kRadPerDeg};
+  config.wheels = wheels;
+  config.frame_rate_hz = camera.rate_hz;
+  return config;
+}
+
+V4l2Settings DaemonConfig::v4l2() const {
+  V4l2Settings settings = camera;
+  settings.width = lens.width_px;
+  settings.height = lens.height_px;
+  if (camera_gain >= 0) settings.gain = camera_gain;
+  return settings;
+}
+
+Settings daemon_settings(DaemonConfig& c) {
+  Settings settings = {
+      {"robot.name", "", 0, 0, "how others call this robot", &c.name},
+      {"robot.seed", "", 0, 1e15, "of the filter's random numbers", &c.seed},
+  };
+  append(settings, camera_settings(c));
+  append(settings, lens_settings(c.lens));
+  append(settings, mount_settings(c.mount));
+  append(settings, wheel_settings(c.wheels));
+  append(settings, device_settings(c));
+  append(settings, machine_settings(c));
+  append(settings, led_settings(c.leds));
+  append(settings, live({{"log.level", "", 0, 0, "less important lines are left out",
+                          choice_of(c.log, {"error", "warning", "notice", "info", "debug"})}}));
+  append(settings, algorithm_settings(c.slam));
+  append(settings, simulation_settings(c.simulation));
+  return settings;
+}
+
+Result<DaemonConfig> read_daemon_config(const std::filesystem::path& file) {
+  std::error_code code;
+  if (!std::filesystem::is_regular_file(file, code)) {
+    return Error{file.string() +
+                 ": missing, or no file; `zenithd --print-config` prints one to start from"};
+  }
+  DaemonConfig config;
+  Problems problems(file);
+  const KeyLines lines = read_settings(file, daemon_settings(config), problems);
+  std::string& dbc = config.odometry.dbc.file;
+  if (!dbc.empty()) dbc = (file.parent_path() / dbc).string();
+  // What a value out of its range brings about elsewhere would only hide it.
+  if (!problems.any()) {
+    check_devices(config, lines, problems);
+    check_relations(config, lines, problems);
+  }
+  if (problems.any()) return problems.error();
+  return config;
+}
+
+Result<std::uint64_t> parse_cpus(const std::string& text) {
+  std::uint64_t cpus = 0;
+  const char* at = text.data();
+  const char* end = at + text.size();
+  const Error wrong = {"expected CPUs below 64 such as \"2\", \"2-3\" or \"0,2-3\", found \"" +
+                       text + "\""};
+  while (at != end) {
+    unsigned first = 0;
+    if (!take_cpu(at, end, first)) return wrong;
+    unsigned last = first;
+    if (at != end && *at == '-' && !take_cpu(++at, end, last)) return wrong;
+    if (last < first) return wrong;
+    for (unsigned cpu = first; cpu <= last; ++cpu) cpus |= std::uint64_t{1} << cpu;
+    if (at == end) break;
+    if (*at != ',' || ++at == end) return wrong;
+  }
+  return cpus;
+}
+
+std::vector<std::string> changed_keys(const DaemonConfig& before, const DaemonConfig& after,
+                                      bool live_ones) {
+  DaemonConfig a = before;
+  DaemonConfig b = after;
+  const Settings old_settings = daemon_settings(a);
+  const Settings new_settings = daemon_settings(b);
+  std::vector<std::string> keys;
+  for (std::size_t i = 0; i < old_settings.size(); ++i) {
+    if (old_settings[i].live != live_ones) continue;
+    if (toml_value(old_settings[i]) != toml_value(new_settings[i])) {
+      keys.push_back(old_settings[i].key);
+    }
+  }
+  return keys;
+}
+
+void take_live(const DaemonConfig& from, DaemonConfig& to) {
+  to.odometry_patience_s = from.odometry_patience_s;
+  to.load = from.load;
+  to.telemetry.rate_hz = from.telemetry.rate_hz;
+  to.leds = from.leds;
+  to.log = from.log;
+  to.slam.corners_max = from.slam.corners_max;
+}
+
+}  // namespace zenith

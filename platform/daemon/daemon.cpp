@@ -1,0 +1,176 @@
+#include "platform/daemon/daemon.h"
+
+#include <unistd.h>
+
+#include <atomic>
+#include <memory>
+#include <string>
+
+#include "platform/daemon/cooperation.h"
+#include "platform/daemon/device_keeper.h"
+#include "platform/daemon/housekeeping.h"
+#include "platform/daemon/perception.h"
+#include "platform/daemon/version.h"
+#include "platform/linux/clock.h"
+#include "platform/linux/log.h"
+#include "platform/linux/realtime.h"
+#include "platform/linux/service_notify.h"
+#include "platform/linux/signals.h"
+#include "platform/linux/thread.h"
+
+namespace zenith {
+namespace {
+
+constexpr std::size_t kStack = std::size_t{512} * 1024;
+constexpr std::size_t kStackTouched = std::size_t{256} * 1024;
+constexpr Duration kTick = {50'000'000};
+// After this a thread that does not end is left behind.
+constexpr Duration kStopLimit = {800'000'000};
+
+// The threads, and how they end.
+class Threads {
+ public:
+  // False, and logged, when one does not start.
+  bool start(ThreadOptions options, std::function<void(const std::atomic<bool>&)> body,
+             Report& report) {
+    options.stack_bytes = kStack;
+    auto& thread = threads_[count_];
+    auto& ended = ended_[count_];
+    const Status started = thread.start(
+        options,
+        [this, &ended, body = std::move(body)] {
+          body(stop_);
+          ended.store(true, std::memory_order_release);
+        },
+        report);
+    if (!started) {
+      log_lines(LogLevel::kError, started.error().message);
+      return false;
+    }
+    ++count_;
+    return true;
+  }
+
+  // False when some are still running after the limit: their data must then stay.
+  bool stop(Time now) {
+    stop_.store(true, std::memory_order_relaxed);
+    const Time limit = now + kStopLimit;
+    while (!all_ended() && monotonic_now() < limit)
+      sleep_until(monotonic_now() + Duration{2'000'000});
+    if (!all_ended()) return false;
+    for (Thread& thread : threads_) thread.join();
+    return true;
+  }
+
+ private:
+  bool all_ended() const {
+    for (std::size_t i = 0; i < count_; ++i) {
+      if (!ended_[i].load(std::memory_order_acquire)) return false;
+    }
+    return true;
+  }
+
+  std::atomic<bool> stop_ = false;
+  std::array<Thread, 3> threads_;
+  std::array<std::atomic<bool>, 3> ended_ = {};
+  std::size_t count_ = 0;
+};
+
+void log_report(const Report& report) {
+  for (const std::string& line : report) log_line(LogLevel::kWarning, "%s", line.c_str());
+}
+
+void serve(Housekeeping& housekeeping, Signals& signals) {
+  while (true) {
+    const auto request = signals.wait(kTick);
+    if (request == SignalRequest::kStop) return;
+    const Time now = monotonic_now();
+    if (request == SignalRequest::kReload) housekeeping.reload(now);
+    housekeeping.tick(now);
+  }
+}
+
+// The manager waits for READY: when the datagram finds no place, again.
+void tell_ready(ServiceNotify& notify) {
+  constexpr int kTries = 20;
+  Status told = notify.ready();
+  for (int i = 0; i < kTries && !told; ++i) {
+    sleep_until(monotonic_now() + Duration{50'000'000});
+    told = notify.ready();
+  }
+  if (!told) log_lines(LogLevel::kError, told.error().message);
+}
+
+[[noreturn]] void leave_without_threads() {
+  log_line(LogLevel::kError, "a thread did not end in time: leaving without it");
+  process_log().drain(monotonic_now());
+  ::_exit(1);
+}
+
+}  // namespace
+
+int run_daemon(const DaemonConfig& config, const std::filesystem::path& file,
+               MakeDevices make_devices, Signals& signals) {
+  process_log().set_level(config.log_level());
+  log_line(LogLevel::kNotice, "zenithd %s: robot %s, configuration %s", kVersion,
+           config.name.c_str(), file.c_str());
+  ServiceNotify notify;
+  if (const Status opened = notify.open_from_environment(); !opened) {
+    log_lines(LogLevel::kWarning, opened.error().message);
+  }
+  auto devices = make_devices(config);
+  if (!devices) {
+    log_lines(LogLevel::kError, devices.error().message);
+    process_log().drain(monotonic_now());
+    return 1;
+  }
+  const auto exchange = std::make_unique<Exchange>();
+  const auto perception = std::make_unique<Perception>(*devices, config.slam, config.seed,
+                                                       live_settings(config), *exchange);
+  warm_up(devices->robot, config.slam);
+  Cooperation cooperation(*exchange, nullptr);  // no radio yet: this robot works alone
+  DeviceKeeper keeper(*devices->camera, perception->camera_turn(), *devices->can,
+                      perception->can_turn());
+  log_line(LogLevel::kInfo, "devices: %s", devices->description.c_str());
+  log_line(LogLevel::kInfo, "memory of the map: %zu KiB", perception->memory_bytes() / 1024);
+
+  Report report;
+  CpuDmaLatency awake;
+  if (config.realtime.hold_cpu_awake) awake.hold(report);
+  if (config.realtime.lock_memory) lock_memory(report);
+  auto threads = std::make_unique<Threads>();
+  const auto cpus = parse_cpus(config.realtime.cpus);
+  bool started = threads->start(
+      {.name = "zen-perception",
+       .fifo_priority = config.realtime.priority,
+       .cpus = cpus ? *cpus : 0},
+      [&perception](const std::atomic<bool>& stop) {
+        prefault_stack(kStackTouched);
+        perception->run(stop);
+      },
+      report);
+  started = started && threads->start(
+                           {.name = "zen-cooperation"},
+                           [&](const std::atomic<bool>& stop) { cooperation.run(stop); }, report);
+  started = started && threads->start(
+                           {.name = "zen-keeper"},
+                           [&](const std::atomic<bool>& stop) { keeper.run(stop); }, report);
+  log_report(report);
+
+  Housekeeping housekeeping(config, file, devices->description, *perception, cooperation, notify);
+  if (started) {
+    housekeeping.start(monotonic_now());
+    tell_ready(notify);
+    log_line(LogLevel::kNotice, "ready");
+    serve(housekeeping, signals);
+    log_line(LogLevel::kNotice, "stopping");
+  }
+  (void)notify.stopping();
+  if (!threads->stop(monotonic_now())) leave_without_threads();
+  devices->camera->close();
+  devices->can->close();
+  housekeeping.finish(monotonic_now());
+  return started ? 0 : 1;
+}
+
+}  // namespace zenith

@@ -1,0 +1,28 @@
+#include "platform/daemon/devices.h"
+
+#include "drivers/camera/v4l2_camera.h"
+#include "drivers/odometry/socket_can.h"
+
+namespace zenith {
+
+Result<Devices> make_real_devices(const DaemonConfig& config) {
+  if (config.is_simulated()) {
+    return Error{
+        "camera.driver = \"simulated\": this program has real devices alone; zenithd-sim "
+        "has simulated ones"};
+  }
+  auto decoder = make_wheel_decoder(config.odometry);
+  if (!decoder) return decoder.error();
+  Devices devices;
+  devices.decoder = *decoder;
+  devices.robot = config.robot();
+  devices.camera = std::make_unique<V4l2Camera>(config.v4l2());
+  devices.can =
+      std::make_unique<SocketCanBus>(SocketCanSettings{config.can_interface, decoder->ids()});
+  devices.description = "V4L2 camera " + config.camera.device + ", CAN interface " +
+                        config.can_interface + ", codec " +
+                        std::string(wheel_codec_name(config.odometry.kind));
+  return devices;
+}
+
+}  // namespace zenith

@@ -1,0 +1,242 @@
+#include "platform/daemon/housekeeping.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "platform/daemon/telemetry_lines.h"
+#include "platform/daemon/version.h"
+#include "platform/linux/clock.h"
+#include "platform/linux/log.h"
+
+namespace zenith {
+namespace {
+
+constexpr Duration kSecond = {1'000'000'000};
+
+// Whether it is time, and if so when it is again.
+bool due(Time& next, Time now, Duration period) {
+  if (now < next) return false;
+  next = now + period;
+  return true;
+}
+
+std::string join(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
+  return text;
+}
+
+void log_event(const PerceptionEvent& event) {
+  switch (event.kind) {
+    case PerceptionEventKind::kFirstPose:
+      return log_line(LogLevel::kNotice, "first pose");
+    case PerceptionEventKind::kCameraLost:
+      return log_line(LogLevel::kWarning, "camera lost: %s; opening it again", event.text);
+    case PerceptionEventKind::kCanLost:
+      return log_line(LogLevel::kWarning, "CAN bus lost: %s; opening it again", event.text);
+    case PerceptionEventKind::kBusOff:
+      return log_line(LogLevel::kWarning, "the CAN controller left the bus (bus-off)");
+    case PerceptionEventKind::kBusBack:
+      return log_line(LogLevel::kNotice, "the CAN controller is back on the bus");
+    case PerceptionEventKind::kMerged:
+      return log_line(LogLevel::kNotice,
+                      "merged with peer %d: its start lies at %.2f %.2f m, %.3f rad", event.peer,
+                      event.pose.x_m, event.pose.y_m, event.pose.theta_rad);
+    case PerceptionEventKind::kWithdrawn:
+      return log_line(LogLevel::kWarning, "the merge with peer %d is withdrawn", event.peer);
+    case PerceptionEventKind::kShedding:
+      return log_line(LogLevel::kWarning, "a step takes too long: %d corners for each frame",
+                      event.value);
+    case PerceptionEventKind::kShedNoMore:
+      return log_line(LogLevel::kNotice, "steps are quick enough again: all corners");
+  }
+}
+
+}  // namespace
+
+void log_lines(LogLevel level, const std::string& text) {
+  std::size_t begin = 0;
+  while (begin <= text.size()) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    log_line(level, "%s", text.substr(begin, end - begin).c_str());
+    begin = end + 1;
+  }
+}
+
+LiveSettings live_settings(const DaemonConfig& config) {
+  return {Duration::from_seconds(config.odometry_patience_s),
+          {config.load.busy_share, config.load.corners_min, config.slam.corners_max}};
+}
+
+Housekeeping::Housekeeping(DaemonConfig config, std::filesystem::path file,
+                           const std::string& devices, Perception& perception,
+                           const Cooperation& cooperation, ServiceNotify& notify)
+    : config_(std::move(config)),
+      file_(std::move(file)),
+      devices_(devices),
+      perception_(perception),
+      cooperation_(cooperation),
+      notify_(notify) {}
+
+void Housekeeping::start(Time now) {
+  started_ = now;
+  light_changed_ = now;
+  if (config_.telemetry.enabled) {
+    const Status opened = telemetry_.open(runtime_path(config_.telemetry.socket));
+    if (opened) {
+      log_line(LogLevel::kInfo, "telemetry: %s", telemetry_.path().c_str());
+    } else {
+      log_lines(LogLevel::kWarning, opened.error().message);
+    }
+  }
+  make_lights(config_.leds);
+}
+
+void Housekeeping::tick(Time now) {
+  log_events();
+  perception_.read(report_);
+  note_lately(now);
+  const RobotLight before = health_.light;
+  health_ = judge_health(report_, lately_, started_, now);
+  if (health_.light != before) light_changed_ = now;
+  show_lights(now);
+  send_telemetry(now);
+  feed_watchdog(now);
+  tell_status(now);
+  process_log().drain(now);
+}
+
+void Housekeeping::log_events() {
+  PerceptionEvent event;
+  while (perception_.next_event(event)) log_event(event);
+}
+
+void Housekeeping::note_lately(Time now) {
+  if (!due(next_lately_, now, {5 * kSecond.ns})) return;
+  const Deadlines& d = perception_.deadlines();
+  const std::uint64_t missed = d.missed.load(std::memory_order_relaxed);
+  const Lately totals = {missed + d.met.load(std::memory_order_relaxed), missed};
+  lately_ = {totals.frames - lately_before_.frames, totals.missed - lately_before_.missed};
+  lately_before_ = totals;
+}
+
+// --- lights --------------------------------------------------------------------------------------
+
+void Housekeeping::make_lights(const LedSettings& settings) {
+  if (leds_ != nullptr) leds_->close();
+  auto made = make_led_output(settings);  // the configuration was checked
+  if (made) leds_ = std::move(*made);
+  next_leds_open_ = {};
+}
+
+void Housekeeping::show_lights(Time now) {
+  if (leds_ == nullptr) return;
+  if (!leds_->is_open()) {
+    if (!due(next_leds_open_, now, {10 * kSecond.ns})) return;
+    const Status opened = leds_->open();
+    if (!opened) return log_lines(LogLevel::kWarning, "LEDs: " + opened.error().message);
+    log_line(LogLevel::kInfo, "LEDs: %s", leds_->description().c_str());
+  }
+  const Status set = leds_->set(led_pattern(health_.light, now - light_changed_));
+  if (!set) log_lines(LogLevel::kWarning, "LEDs: " + set.error().message);
+}
+
+// --- telemetry -----------------------------------------------------------------------------------
+
+void Housekeeping::send_telemetry(Time now) {
+  JsonLine hello;
+  write_hello(hello, config_.name, kVersion, devices_);
+  if (telemetry_.accept(hello.finish()) > 0) next_health_ = now;
+  if (telemetry_.readers() == 0) return;
+  if (report_.has_pose && report_.stamp != pose_told_ &&
+      due(next_pose_, now, Duration::from_seconds(1.0 / config_.telemetry.rate_hz))) {
+    pose_told_ = report_.stamp;
+    JsonLine pose;
+    write_pose(pose, report_);
+    telemetry_.send(pose.finish());
+  }
+  if (!due(next_health_, now, kSecond)) return;
+  JsonLine health;
+  write_health(health, report_, health_, cooperation_.counters());
+  telemetry_.send(health.finish());
+  JsonLine deadlines;
+  write_deadlines(deadlines, perception_.deadlines());
+  telemetry_.send(deadlines.finish());
+  for (const PeerReport& peer : report_.peers) {
+    JsonLine line;
+    write_peer(line, peer, report_.stamp);
+    telemetry_.send(line.finish());
+  }
+}
+
+// --- the service manager -------------------------------------------------------------------------
+
+void Housekeeping::feed_watchdog(Time now) {
+  const auto interval = notify_.watchdog_interval();
+  if (!interval || now < next_watchdog_) return;
+  const std::uint64_t heartbeat = perception_.heartbeat();
+  if (heartbeat == heartbeat_) return;  // the loop does not turn: let the manager see it
+  heartbeat_ = heartbeat;
+  next_watchdog_ = now + Duration{interval->ns / 4};
+  note_manager(notify_.watchdog());
+  ++watchdog_fed_;
+}
+
+void Housekeeping::tell_status(Time now) {
+  if (!due(next_status_, now, kSecond)) return;
+  std::string text = status_text(report_, health_);
+  if (text == told_status_) return;
+  note_manager(notify_.status(text));
+  told_status_ = std::move(text);
+}
+
+void Housekeeping::note_manager(const Status& told) {
+  if (!told && !manager_deaf_) log_lines(LogLevel::kWarning, told.error().message);
+  manager_deaf_ = !told;
+}
+
+// --- reload --------------------------------------------------------------------------------------
+
+void Housekeeping::reload(Time now) {
+  note_manager(notify_.reloading(now));
+  auto read = read_daemon_config(file_);
+  if (!read) {
+    log_line(LogLevel::kError, "the configuration stays as it was; %s is wrong:", file_.c_str());
+    log_lines(LogLevel::kError, read.error().message);
+  } else {
+    const auto taken = changed_keys(config_, *read, true);
+    const auto waiting = changed_keys(config_, *read, false);
+    const bool new_lights = std::any_of(taken.begin(), taken.end(), [](const std::string& key) {
+      return key.compare(0, 5, "leds.") == 0;
+    });
+    take_live(*read, config_);
+    process_log().set_level(config_.log_level());
+    perception_.set_live(live_settings(config_));
+    if (new_lights) make_lights(config_.leds);
+    log_line(LogLevel::kNotice, "configuration read again: %s",
+             taken.empty() ? "nothing that may change now has changed" : join(taken).c_str());
+    if (!waiting.empty()) {
+      log_line(LogLevel::kWarning, "changed, but needs a restart: %s", join(waiting).c_str());
+    }
+  }
+  note_manager(notify_.ready());
+}
+
+void Housekeeping::finish(Time now) {
+  log_events();
+  const Deadlines& d = perception_.deadlines();
+  log_line(LogLevel::kNotice, "frames in time %llu, late %llu, of these for want of a CPU %llu",
+           static_cast<unsigned long long>(d.met.load(std::memory_order_relaxed)),
+           static_cast<unsigned long long>(d.missed.load(std::memory_order_relaxed)),
+           static_cast<unsigned long long>(d.explained.load(std::memory_order_relaxed)));
+  log_line(LogLevel::kInfo, "kernel's wake-up: %s", d.wake_up.text().c_str());
+  log_line(LogLevel::kInfo, "step: %s", d.step.text().c_str());
+  log_line(LogLevel::kInfo, "computed in it: %s", d.compute.text().c_str());
+  log_line(LogLevel::kInfo, "not computed in it: %s", d.stolen.text().c_str());
+  log_line(LogLevel::kInfo, "from capture to pose: %s", d.age.text().c_str());
+  if (leds_ != nullptr) leds_->close();
+  telemetry_.close();
+  process_log().drain(now);
+}
+
+}  // namespace zenith

@@ -1,0 +1,111 @@
+#pragma once
+// One JSON object on one line, written into a fixed place: flat keys, numbers, texts, and arrays of
+// them. No number that JSON lacks is written: nan and infinity become null.
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <string_view>
+
+namespace zenith {
+
+class JsonLine {
+ public:
+  JsonLine() { put("{"); }
+
+  JsonLine& text(std::string_view key, std::string_view value) {
+    name(key);
+    quoted(value);
+    return *this;
+  }
+  JsonLine& number(std::string_view key, double value) {
+    name(key);
+    digits(value);
+    return *this;
+  }
+  JsonLine& count(std::string_view key, unsigned long long value) {
+    name(key);
+    whole(value);
+    return *this;
+  }
+  JsonLine& flag(std::string_view key, bool value) {
+    name(key);
+    put(value ? "true" : "false");
+    return *this;
+  }
+  template <typename Numbers>
+  JsonLine& numbers(std::string_view key, const Numbers& values) {
+    name(key);
+    put("[");
+    bool first = true;
+    for (const double value : values) {
+      if (!first) put(",");
+      first = false;
+      digits(value);
+    }
+    put("]");
+    return *this;
+  }
+
+  // Objects within: begin(key) ... end().
+  JsonLine& begin(std::string_view key) {
+    name(key);
+    put("{");
+    comma_ = false;
+    return *this;
+  }
+  JsonLine& end() {
+    put("}");
+    comma_ = true;
+    return *this;
+  }
+
+  // The whole line with its end. Empty when it did not fit.
+  std::string_view finish() {
+    put("}\n");
+    return fits_ ? std::string_view(text_.data(), size_) : std::string_view();
+  }
+
+ private:
+  void name(std::string_view key) {
+    if (comma_) put(",");
+    comma_ = true;
+    quoted(key);
+    put(":");
+  }
+  void quoted(std::string_view value) {
+    put("\"");
+    for (const char c : value) {
+      const auto byte = static_cast<unsigned char>(c);
+      if (c == '"' || c == '\\') put("\\");
+      if (byte < 0x20) {
+        put(" ");
+      } else {
+        put({&c, 1});
+      }
+    }
+    put("\"");
+  }
+  void digits(double value) {
+    if (!std::isfinite(value)) return put("null");
+    std::array<char, 32> number;
+    const int length = std::snprintf(number.data(), number.size(), "%.9g", value);
+    put({number.data(), static_cast<std::size_t>(length)});
+  }
+  void whole(unsigned long long value) {
+    std::array<char, 24> number;
+    const int length = std::snprintf(number.data(), number.size(), "%llu", value);
+    put({number.data(), static_cast<std::size_t>(length)});
+  }
+  void put(std::string_view piece) {
+    fits_ = fits_ && piece.size() <= text_.size() - size_;
+    if (fits_) size_ += piece.copy(text_.data() + size_, piece.size());
+  }
+
+  std::array<char, 4096> text_;
+  std::size_t size_ = 0;
+  bool comma_ = false;
+  bool fits_ = true;
+};
+
+}  // namespace zenith

@@ -1,0 +1,113 @@
+#pragma once
+// The perception thread: camera and CAN bus in, Slam::step(), pose and map out.
+//
+//   drain the CAN bus -> wheel samples
+//   wait for a frame, kSlice at a time
+//   wait for the wheels of its moment, at most odometry.patience_s
+//   step; take what peers told; hand over own news; tell how it went
+//
+// run() takes no memory from the heap, no lock, and writes no log: what others should know goes
+// through a snapshot and a queue. A lost device is given to the keeper (turn.h); the loop goes on
+// with what remains.
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <optional>
+
+#include "platform/base/memory_block.h"
+#include "platform/daemon/deadlines.h"
+#include "platform/daemon/devices.h"
+#include "platform/daemon/exchange.h"
+#include "platform/daemon/load_shedder.h"
+#include "platform/daemon/perception_report.h"
+#include "platform/daemon/turn.h"
+#include "platform/linux/snapshot.h"
+#include "platform/linux/spsc_queue.h"
+#include "platform/linux/triple_buffer.h"
+#include "slam/slam.h"
+
+namespace zenith {
+
+// What may change while it runs.
+struct LiveSettings {
+  Duration patience = {50'000'000};
+  LoadLimits load;
+};
+
+class Perception {
+ public:
+  // The longest single wait: how soon it sees a stop, and how long CAN frames may lie.
+  static constexpr Duration kSlice = {5'000'000};
+
+  // Allocates all that it needs. `devices` and `exchange` must outlive it.
+  Perception(Devices& devices, const Parameters& parameters, std::uint64_t seed,
+             const LiveSettings& live, Exchange& exchange);
+
+  // The thread's body.
+  void run(const std::atomic<bool>& stop);
+
+  // --- for other threads --------------------------------------------------------------------
+
+  Turn& camera_turn() { return camera_turn_; }
+  Turn& can_turn() { return can_turn_; }
+  const Deadlines& deadlines() const { return deadlines_; }
+  bool read(PerceptionReport& out) const { return reports_.read(out); }
+  // Rises as long as the loop turns: what the watchdog asks.
+  std::uint64_t heartbeat() const { return heartbeat_.load(std::memory_order_relaxed); }
+  // One reader, and one writer, each.
+  bool next_event(PerceptionEvent& out) { return events_.pop(out); }
+  void set_live(const LiveSettings& live);
+
+  std::size_t memory_bytes() const { return memory_.span().size(); }
+
+ private:
+  void turn_once();
+  void take_live();
+  void wait_for_frame();
+  void wait_for_wheels();
+  bool wheels_are_there(Time now) const;
+  std::size_t receive_can(Duration timeout);
+  void keep(const WheelSample& sample, Time now);
+  void note_can_state();
+  void lose_camera();
+  void use_frame();
+  void receive_peers();
+  void publish();
+  void note_alignments();
+  void note_load(Duration wall);
+  void write_report(Time now);
+  void tell(PerceptionEventKind kind, const char* text = "", int peer = 0, int value = 0);
+
+  Devices& devices_;
+  Exchange& exchange_;
+  WheelDecoder decoder_;
+  Duration period_;
+  LiveSettings live_;
+  MemoryBlock memory_;
+  std::optional<Slam> slam_;
+  LoadShedder shedder_;
+
+  std::array<CanFrame, 64> can_frames_;
+  FixedVector<WheelSample, kMaxWheelSamples> wheels_;
+  std::array<LandmarkRecord, 64> records_;
+  std::optional<CameraFrame> frame_;  // waits for its wheels, or its step
+  Time received_;                     // frame_
+  PageFaults faults_at_start_;
+  Time next_report_;
+  PerceptionReport report_;
+
+  Turn camera_turn_;
+  Turn can_turn_;
+  Deadlines deadlines_;
+  Snapshot<PerceptionReport> reports_;
+  SpscQueue<PerceptionEvent, 64> events_;
+  TripleBuffer<LiveSettings> new_live_;
+  std::atomic<std::uint64_t> heartbeat_ = 0;
+};
+
+// Runs the step's code once on a small map that is then forgotten, so that its pages are in memory
+// before the first deadline.
+void warm_up(const RobotConfig& robot, const Parameters& parameters);
+
+}  // namespace zenith

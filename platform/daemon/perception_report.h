@@ -1,0 +1,84 @@
+#pragma once
+// What the perception thread tells the others: a snapshot of its state, and events worth a line in
+// the log. Plain data.
+
+#include <array>
+#include <cstdint>
+
+#include "drivers/camera/camera.h"
+#include "drivers/odometry/can_bus.h"
+#include "drivers/odometry/wheel_decoder.h"
+#include "platform/base/fixed_vector.h"
+#include "platform/base/time.h"
+#include "platform/linux/realtime.h"
+#include "slam/capacity.h"
+#include "slam/counters.h"
+#include "slam/fleet/alignment.h"
+#include "slam/geometry.h"
+
+namespace zenith {
+
+struct PeerReport {
+  int peer = 0;
+  AlignmentState state = AlignmentState::kCandidate;
+  Pose2 T_own_peer;
+  std::array<double, 3> variance = {};  // of x, y, theta
+  double confidence = 0.0;
+  int correspondences = 0;
+};
+
+struct PerceptionReport {
+  Time written;
+  // Of the last frame.
+  bool has_pose = false;
+  Time stamp;
+  Pose2 T_start_robot;
+  std::array<double, 6> covariance = {};  // xx xy xt yy yt tt
+  double effective_sample_size = 0.0;
+  int corners = 0;
+  int candidates = 0;
+  int matched = 0;
+  int inliers = 0;
+  FixedVector<PeerReport, kMaxPeers> peers;
+
+  bool camera_up = false;
+  bool can_up = false;
+  bool bus_off = false;
+  Time last_frame;   // received
+  Time last_wheels;  // a sample of the wheels was decoded
+  CameraCounters camera;
+  CanCounters can;
+  WheelDecoderCounters wheels;
+  StepCounters steps;
+
+  int corners_max = 0;  // the limit in force
+  bool sheds = false;
+  std::uint64_t frames_shed = 0;
+  std::uint64_t frames_unfit = 0;           // not as large as the lens says: not used
+  std::uint64_t wheels_late = 0;            // frames that did not get the wheels of their moment
+  std::uint64_t wheel_samples_dropped = 0;  // no frame came to use them
+  PageFaults faults;                        // of the thread since the loop began
+};
+
+enum class PerceptionEventKind : std::uint8_t {
+  kFirstPose,
+  kCameraLost,  // `text`: why
+  kCanLost,
+  kBusOff,
+  kBusBack,
+  kMerged,     // with `peer`
+  kWithdrawn,  // from `peer`
+  kShedding,   // `value` corners from now on
+  kShedNoMore,
+};
+
+struct PerceptionEvent {
+  PerceptionEventKind kind = PerceptionEventKind::kFirstPose;
+  const char* text = "";  // static
+  int peer = 0;
+  int value = 0;
+  Time at;
+  Pose2 pose;
+};
+
+}  // namespace zenith

@@ -1,0 +1,154 @@
+#include "platform/daemon/telemetry_lines.h"
+
+#include <array>
+
+namespace zenith {
+namespace {
+
+std::array<double, 3> numbers_of(const Pose2& pose) {
+  return {pose.x_m, pose.y_m, pose.theta_rad};
+}
+
+unsigned long long ns_of(Time time) {
+  return static_cast<unsigned long long>(time.ns);
+}
+
+const char* state_text(AlignmentState state) {
+  if (state == AlignmentState::kMerged) return "merged";
+  return state == AlignmentState::kWithdrawn ? "withdrawn" : "candidate";
+}
+
+void write_camera(JsonLine& line, const PerceptionReport& report) {
+  const CameraCounters& c = report.camera;
+  line.begin("camera")
+      .flag("up", report.camera_up)
+      .count("frames", c.frames)
+      .count("skipped", c.skipped)
+      .count("lost_in_driver", c.lost_in_driver)
+      .count("damaged", c.damaged)
+      .count("unfit", report.frames_unfit)
+      .count("stamps_replaced", c.stamps_replaced)
+      .count("opened", c.opened)
+      .count("lost", c.lost)
+      .count("stalled", c.stalled)
+      .end();
+}
+
+void write_can(JsonLine& line, const PerceptionReport& report) {
+  const CanCounters& c = report.can;
+  line.begin("can")
+      .flag("up", report.can_up)
+      .flag("bus_off", report.bus_off)
+      .count("frames", c.frames)
+      .count("dropped", c.dropped)
+      .count("error_frames", c.error_frames)
+      .count("bus_offs", c.bus_off)
+      .count("opened", c.opened)
+      .count("lost", c.lost)
+      .end();
+  const WheelDecoderCounters& w = report.wheels;
+  line.begin("wheels")
+      .count("samples", w.samples)
+      .count("resets", w.resets)
+      .count("refused", w.late + w.short_frames + w.invalid)
+      .count("unpaired", w.unpaired)
+      .count("error_reports", w.error_reports)
+      .count("late_for_frame", report.wheels_late)
+      .count("dropped", report.wheel_samples_dropped)
+      .end();
+}
+
+void write_map(JsonLine& line, const StepCounters& steps) {
+  const MapperCounters& m = steps.mapper;
+  line.begin("map")
+      .count("frames", steps.frames)
+      .count("odometry_extrapolated", steps.odometry_extrapolated)
+      .count("created", m.landmarks_created)
+      .count("promoted", m.landmarks_promoted)
+      .count("pruned", m.landmarks_pruned)
+      .count("evicted", m.landmarks_evicted)
+      .count("rejected_full", m.landmarks_rejected_full)
+      .count("loops_closed", m.loops_closed)
+      .count("slips", m.slips)
+      .count("resamplings", m.resamplings)
+      .end();
+}
+
+void write_histogram(JsonLine& line, std::string_view key, const LatencyHistogram& live) {
+  const LatencyHistogram h = live;  // figures that belong together
+  line.begin(key)
+      .count("count", h.count())
+      .number("p50_ms", h.percentile(0.5).seconds() * 1e3)
+      .number("p95_ms", h.percentile(0.95).seconds() * 1e3)
+      .number("p999_ms", h.percentile(0.999).seconds() * 1e3)
+      .number("max_ms", h.longest().seconds() * 1e3)
+      .end();
+}
+
+}  // namespace
+
+void write_hello(JsonLine& line, std::string_view robot, std::string_view version,
+                 std::string_view devices) {
+  line.text("type", "hello").text("robot", robot).text("version", version).text("devices", devices);
+}
+
+void write_pose(JsonLine& line, const PerceptionReport& report) {
+  line.text("type", "pose")
+      .count("stamp_ns", ns_of(report.stamp))
+      .numbers("pose", numbers_of(report.T_start_robot))
+      .numbers("covariance", report.covariance)
+      .number("effective_sample_size", report.effective_sample_size)
+      .number("corners", report.corners)
+      .number("candidates", report.candidates)
+      .number("matched", report.matched)
+      .number("inliers", report.inliers);
+}
+
+void write_peer(JsonLine& line, const PeerReport& peer, Time stamp) {
+  line.text("type", "alignment")
+      .count("stamp_ns", ns_of(stamp))
+      .number("peer", peer.peer)
+      .text("state", state_text(peer.state))
+      .numbers("pose", numbers_of(peer.T_own_peer))
+      .numbers("variance", peer.variance)
+      .number("confidence", peer.confidence)
+      .number("correspondences", peer.correspondences);
+}
+
+void write_health(JsonLine& line, const PerceptionReport& report, const Health& health,
+                  const CooperationCounters& cooperation) {
+  line.text("type", "health")
+      .count("stamp_ns", ns_of(report.written))
+      .text("state", light_name(health.light))
+      .text("reason", health.reason);
+  write_camera(line, report);
+  write_can(line, report);
+  write_map(line, report.steps);
+  line.begin("load")
+      .number("corners_max", report.corners_max)
+      .count("frames_shed", report.frames_shed)
+      .end();
+  line.begin("cooperation")
+      .count("sent", cooperation.sent)
+      .count("unheard", cooperation.unheard)
+      .count("received", cooperation.received)
+      .end();
+  line.begin("page_faults")
+      .count("minor", report.faults.minor)
+      .count("major", report.faults.major)
+      .end();
+}
+
+void write_deadlines(JsonLine& line, const Deadlines& deadlines) {
+  line.text("type", "deadlines")
+      .count("met", deadlines.met.load(std::memory_order_relaxed))
+      .count("missed", deadlines.missed.load(std::memory_order_relaxed))
+      .count("explained", deadlines.explained.load(std::memory_order_relaxed));
+  write_histogram(line, "wake_up", deadlines.wake_up);
+  write_histogram(line, "step", deadlines.step);
+  write_histogram(line, "compute", deadlines.compute);
+  write_histogram(line, "stolen", deadlines.stolen);
+  write_histogram(line, "age", deadlines.age);
+}
+
+}  // namespace zenith

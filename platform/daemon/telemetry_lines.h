@@ -1,0 +1,23 @@
+#pragma once
+// What the telemetry socket says, a line of JSON each. docs/daemon.md describes them.
+
+#include <string_view>
+
+#include "platform/daemon/cooperation.h"
+#include "platform/daemon/deadlines.h"
+#include "platform/daemon/health.h"
+#include "platform/daemon/json_line.h"
+#include "platform/daemon/perception_report.h"
+
+namespace zenith {
+
+// The first line that a reader gets.
+void write_hello(JsonLine& line, std::string_view robot, std::string_view version,
+                 std::string_view devices);
+void write_pose(JsonLine& line, const PerceptionReport& report);
+void write_peer(JsonLine& line, const PeerReport& peer, Time stamp);
+void write_health(JsonLine& line, const PerceptionReport& report, const Health& health,
+                  const CooperationCounters& cooperation);
+void write_deadlines(JsonLine& line, const Deadlines& deadlines);
+
+}  // namespace zenith
