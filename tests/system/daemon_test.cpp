@@ -1,0 +1,203 @@
+// zenithd as a whole, as the service manager starts it, with a simulated robot.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/figure.h"
+#include "tests/support/line_reader.h"
+#include "tests/system/process.h"
+#include "tests/unit/tools/temporary_folder.h"
+
+namespace zenith {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::HasSubstr;
+using tools::read_text;
+using tools::write_text;
+
+// Generous: the machine may be slow and do other work. What is waited for is a state.
+constexpr double kLimit_s = 60.0;
+
+class DaemonTest : public testing::Test {
+ protected:
+  void configure(const std::string& more) {
+    write_text(file_,
+               "[robot]\nname = \"ada\"\n[camera]\ndriver = \"simulated\"\n[odometry]\n"
+               "driver = \"simulated\"\n[telemetry]\nsocket = \"" +
+                   socket_ + "\"\n" + more);
+  }
+
+  // The next line of this type; null when there is none.
+  static nlohmann::json next(LineReader& reader, const std::string& type) {
+    for (int i = 0; i < 500; ++i) {
+      const std::string line = reader.next();
+      if (line.empty()) break;
+      EXPECT_EQ(line.back(), '\n');
+      nlohmann::json json = nlohmann::json::parse(line, nullptr, false);
+      EXPECT_TRUE(json.is_object()) << line;
+      if (json.value("type", "") == type) return json;
+    }
+    ADD_FAILURE() << "no line of type " << type;
+    return {};
+  }
+
+  bool logged(const std::string& text) const {
+    return wait_until(kLimit_s, [&] { return read_text(errors_).find(text) != std::string::npos; });
+  }
+
+  // Runs to the end; output and errors as one text.
+  int run(std::vector<std::string> words, std::string& said) {
+    Process process(words, output_, errors_);
+    const int code = process.wait(kLimit_s);
+    said = read_text(output_) + read_text(errors_);
+    return code;
+  }
+
+  tools::TemporaryFolder folder_;
+  const std::string file_ = (folder_.path() / "zenith.toml").string();
+  const std::string socket_ = (folder_.path() / "telemetry.sock").string();
+  const std::string notify_ = (folder_.path() / "notify.sock").string();
+  const std::string output_ = (folder_.path() / "output.txt").string();
+  const std::string errors_ = (folder_.path() / "errors.txt").string();
+};
+
+TEST_F(DaemonTest, RunsReloadsAndStops) {
+  configure("");
+  NotifySocket manager(notify_);
+  ASSERT_TRUE(manager.bound());
+  const Time started = monotonic_now();
+  Process daemon({ZENITHD_SIM, "--config", file_}, output_, errors_,
+                 {{"NOTIFY_SOCKET", notify_}, {"WATCHDOG_USEC", "4000000"}});
+  ASSERT_TRUE(manager.heard("READY=1", kLimit_s)) << read_text(errors_);
+
+  LineReader reader(socket_);
+  ASSERT_TRUE(reader.connected());
+  EXPECT_EQ(next(reader, "hello")["robot"], "ada");
+  const auto first = next(reader, "pose");
+  print_figure("daemon, simulated: first pose %.2f s after its start",
+               (monotonic_now() - started).seconds());
+  EXPECT_EQ(first["pose"].size(), 3u);
+  EXPECT_EQ(first["covariance"].size(), 6u);
+  EXPECT_TRUE(manager.heard("STATUS=mapping", kLimit_s));
+  EXPECT_TRUE(manager.heard("WATCHDOG=1", kLimit_s));
+
+  // A wrong file: told, and nothing changes.
+  configure("[slam]\ncorners_max = 1000\nparticels = 3\n");
+  daemon.send(SIGHUP);
+  ASSERT_TRUE(manager.heard("RELOADING=1", kLimit_s));
+  ASSERT_TRUE(manager.heard("READY=1", kLimit_s));
+  EXPECT_TRUE(logged("the configuration stays as it was"));
+  EXPECT_TRUE(logged(":10: slam.corners_max is 1000"));
+  EXPECT_TRUE(logged(":11: unknown key slam.particels; did you mean slam.particles?"));
+  EXPECT_EQ(next(reader, "health")["load"]["corners_max"], 128);
+
+  // A right one: what may change does, the rest waits.
+  configure("[slam]\ncorners_max = 60\nparticles = 100\n");
+  daemon.send(SIGHUP);
+  ASSERT_TRUE(manager.heard("READY=1", kLimit_s));
+  EXPECT_TRUE(logged("configuration read again: slam.corners_max"));
+  EXPECT_TRUE(logged("needs a restart: slam.particles"));
+  bool fewer = false;
+  for (int i = 0; i < 20 && !fewer; ++i) {
+    fewer = next(reader, "health")["load"]["corners_max"].get<int>() <= 60;
+  }
+  EXPECT_TRUE(fewer);
+
+  // Held up for a while, it goes on.
+  const auto before = next(reader, "pose")["stamp_ns"].get<std::int64_t>();
+  daemon.send(SIGSTOP);
+  sleep_until(monotonic_now() + Duration{500'000'000});
+  daemon.send(SIGCONT);
+  std::int64_t stamp = before;
+  for (int i = 0; i < 100 && stamp < before + 1'500'000'000; ++i) {
+    stamp = next(reader, "pose")["stamp_ns"].get<std::int64_t>();
+  }
+  EXPECT_GE(stamp, before + 1'500'000'000);
+
+  const auto health = next(reader, "health");
+  EXPECT_GT(health["map"]["created"], 50);
+  EXPECT_EQ(health["camera"]["opened"], 1);
+  const auto deadlines = next(reader, "deadlines");
+  EXPECT_GT(deadlines["wake_up"]["count"], 100);
+  EXPECT_GT(deadlines["step"]["count"], 10);
+  print_figure("daemon, simulated: page faults %s, wake-up %s, step %s",
+               health["page_faults"].dump().c_str(), deadlines["wake_up"].dump().c_str(),
+               deadlines["step"].dump().c_str());
+
+  const Time asked = monotonic_now();
+  daemon.send(SIGTERM);
+  EXPECT_EQ(daemon.wait(kLimit_s), 0) << read_text(errors_);
+  const double took_s = (monotonic_now() - asked).seconds();
+  print_figure("daemon, simulated: ended %.3f s after SIGTERM", took_s);
+  EXPECT_LT(took_s, 5.0);
+  EXPECT_TRUE(manager.heard("STOPPING=1", 1.0));
+  EXPECT_FALSE(fs::exists(socket_));
+}
+
+TEST_F(DaemonTest, EndsOnInterruptAlsoRightAfterItsStart) {
+  configure("");
+  NotifySocket manager(notify_);
+  Process daemon({ZENITHD_SIM, "--config", file_}, output_, errors_, {{"NOTIFY_SOCKET", notify_}});
+  ASSERT_TRUE(manager.heard("READY=1", kLimit_s));
+  daemon.send(SIGINT);
+  EXPECT_EQ(daemon.wait(kLimit_s), 0) << read_text(errors_);
+}
+
+// No camera, no CAN bus: READY all the same, and what is missing is told again and again.
+TEST_F(DaemonTest, RealDevicesMayBeMissing) {
+  write_text(file_,
+             "[camera]\ndevice = \"/dev/no-camera\"\n[odometry]\n"
+             "can_interface = \"nocan7\"\n[telemetry]\nsocket = \"" +
+                 socket_ + "\"\n");
+  NotifySocket manager(notify_);
+  Process daemon({ZENITHD, "--config", file_}, output_, errors_, {{"NOTIFY_SOCKET", notify_}});
+  ASSERT_TRUE(manager.heard("READY=1", kLimit_s));
+  EXPECT_TRUE(logged("camera: "));
+  EXPECT_TRUE(logged("CAN bus: "));
+  EXPECT_TRUE(manager.heard("STATUS=starting: no camera", kLimit_s));
+  LineReader reader(socket_);
+  const auto health = next(reader, "health");
+  EXPECT_EQ(health["state"], "starting");
+  EXPECT_EQ(health["camera"]["up"], false);
+  EXPECT_EQ(health["can"]["up"], false);
+  daemon.send(SIGTERM);
+  EXPECT_EQ(daemon.wait(kLimit_s), 0) << read_text(errors_);
+}
+
+TEST_F(DaemonTest, ChecksAFileAndSaysWhatItWouldDo) {
+  std::string said;
+  configure("");
+  EXPECT_EQ(run({ZENITHD_SIM, "--config", file_, "--check"}, said), 0);
+  EXPECT_THAT(said, AllOf(HasSubstr("simulated robot r1 in the world corridor-rooms"),
+                          HasSubstr("200 particles"), HasSubstr(socket_)));
+  EXPECT_EQ(run({ZENITHD, "--config", file_, "--check"}, said), 2);
+  EXPECT_THAT(said, HasSubstr("zenithd-sim"));
+  configure("[simulation]\nrobot = \"r9\"\n");
+  EXPECT_EQ(run({ZENITHD_SIM, "--config", file_, "--check"}, said), 2);
+  EXPECT_THAT(said, HasSubstr("'r9' is not in the world corridor-rooms; there are r1, r2"));
+  configure("[camera]\n");  // a section twice
+  EXPECT_EQ(run({ZENITHD_SIM, "--config", file_}, said), 2);
+  EXPECT_THAT(said, HasSubstr("zenith.toml:9: "));
+}
+
+TEST_F(DaemonTest, ExplainsItself) {
+  std::string said;
+  EXPECT_EQ(run({ZENITHD, "--help"}, said), 0);
+  EXPECT_THAT(said, AllOf(HasSubstr("--print-config"), HasSubstr("SIGHUP")));
+  EXPECT_EQ(run({ZENITHD, "--version"}, said), 0);
+  EXPECT_THAT(said, HasSubstr(ZENITH_VERSION));
+  EXPECT_EQ(run({ZENITHD}, said), 2);
+  EXPECT_THAT(said, HasSubstr("--config FILE is missing"));
+  EXPECT_EQ(run({ZENITHD, "--konfig", "x"}, said), 2);
+  EXPECT_THAT(said, HasSubstr("unknown argument '--konfig'"));
+  EXPECT_EQ(run({ZENITHD, "--config"}, said), 2);
+  EXPECT_EQ(run({ZENITHD, "--print-config"}, said), 0);
+  write_text(file_, said);
+  EXPECT_EQ(run({ZENITHD, "--config", file_, "--check"}, said), 0);
+}
+
+}  // namespace
+}  // namespace zenith

@@ -1,0 +1,92 @@
+#pragma once
+// A camera and a base without a world, for tests of the perception thread: a picture of blocks that
+// moves by as much as the wheels say, as fast as the test asks.
+
+#include <atomic>
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include "drivers/odometry/agilex_v2.h"
+#include "drivers/odometry/simulated_can.h"
+#include "platform/daemon/devices.h"
+#include "platform/daemon/simulated/simulated_camera.h"
+#include "platform/linux/clock.h"
+#include "slam/image/lens.h"
+
+namespace zenith {
+
+// What an AgileX base sends.
+inline CanFrame odometer_frame(Time stamp, std::int32_t left_mm, std::int32_t right_mm) {
+  CanFrame frame;
+  frame.stamp = stamp;
+  frame.id = agilex_v2::kOdometerId;
+  frame.length = 8;
+  for (int i = 0; i < 4; ++i) {
+    const int shift = 24 - 8 * i;
+    frame.data[i] = static_cast<std::uint8_t>(static_cast<std::uint32_t>(left_mm) >> shift);
+    frame.data[i + 4] = static_cast<std::uint8_t>(static_cast<std::uint32_t>(right_mm) >> shift);
+  }
+  return frame;
+}
+
+class FakeRobot {
+ public:
+  static constexpr double kRate_hz = 20.0;
+
+  FakeRobot() {
+    devices.robot.frame_rate_hz = kRate_hz;
+    const Lens& lens = devices.robot.lens;
+    auto made_camera =
+        std::make_unique<SimulatedCamera>(lens.width_px, lens.height_px, "fake", [] {});
+    auto made_can = std::make_unique<SimulatedCanBus>();
+    camera = made_camera.get();
+    can = made_can.get();
+    devices.camera = std::move(made_camera);
+    devices.can = std::move(made_can);
+    pixels_.resize(static_cast<std::size_t>(lens.width_px) * lens.height_px);
+  }
+  ~FakeRobot() { stop(); }
+
+  // Drives in a thread of its own until stop().
+  void drive() {
+    driver_ = std::thread([this] {
+      int millimetres = 0;
+      for (int i = 0; !stop_.load(); ++i, millimetres += 2) {
+        sleep_until(monotonic_now() + Duration{10'000'000});
+        if (i % 5 == 0) {
+          paint(millimetres / 4);
+          camera->deliver(monotonic_now(), pixels_);
+        }
+        if (wheels_on.load()) can->send(odometer_frame(monotonic_now(), millimetres, millimetres));
+      }
+    });
+  }
+  void stop() {
+    stop_.store(true);
+    if (driver_.joinable()) driver_.join();
+  }
+
+  Devices devices;
+  SimulatedCamera* camera = nullptr;
+  SimulatedCanBus* can = nullptr;
+  std::atomic<bool> wheels_on = true;
+
+ private:
+  void paint(int shift_px) {
+    const Lens& lens = devices.robot.lens;
+    for (int v = 0; v < lens.height_px; ++v) {
+      for (int u = 0; u < lens.width_px; ++u) {
+        const unsigned block = static_cast<unsigned>((u + shift_px) / 24 * 31 + v / 24 * 17);
+        pixels_[static_cast<std::size_t>(v) * lens.width_px + u] =
+            static_cast<std::uint8_t>(block * 2654435761U >> 13);
+      }
+    }
+  }
+
+  std::vector<std::uint8_t> pixels_;
+  std::atomic<bool> stop_ = false;
+  std::thread driver_;
+};
+
+}  // namespace zenith

@@ -1,0 +1,87 @@
+// Stands in for the C library's heap in this test program: the same heap, with a count.
+
+#include "tests/unit/daemon/heap_guard.h"
+
+#include <cerrno>
+#include <cstddef>
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define ZENITH_HEAP_IS_TAKEN 1
+#else
+#define ZENITH_HEAP_IS_TAKEN 0
+#endif
+
+namespace {
+
+// No constructor and no lazy storage: it is touched inside of malloc.
+__thread bool t_guarded = false;
+__thread std::uint64_t t_calls = 0;
+
+}  // namespace
+
+namespace zenith {
+
+HeapGuard::HeapGuard() {
+  t_calls = 0;
+  t_guarded = true;
+}
+HeapGuard::~HeapGuard() {
+  t_guarded = false;
+}
+std::uint64_t HeapGuard::calls() const {
+  return t_calls;
+}
+bool HeapGuard::works() {
+  return ZENITH_HEAP_IS_TAKEN == 0;
+}
+
+}  // namespace zenith
+
+#if !ZENITH_HEAP_IS_TAKEN
+
+namespace {
+
+void count() {
+  if (t_guarded) ++t_calls;
+}
+
+}  // namespace
+
+// glibc's own names of what is replaced.
+extern "C" {
+void* __libc_malloc(std::size_t);
+void __libc_free(void*);
+void* __libc_calloc(std::size_t, std::size_t);
+void* __libc_realloc(void*, std::size_t);
+void* __libc_memalign(std::size_t, std::size_t);
+
+void* malloc(std::size_t bytes) {
+  count();
+  return __libc_malloc(bytes);
+}
+void free(void* memory) {
+  count();
+  __libc_free(memory);
+}
+void* calloc(std::size_t items, std::size_t bytes) {
+  count();
+  return __libc_calloc(items, bytes);
+}
+void* realloc(void* memory, std::size_t bytes) {
+  count();
+  return __libc_realloc(memory, bytes);
+}
+void* memalign(std::size_t alignment, std::size_t bytes) {
+  count();
+  return __libc_memalign(alignment, bytes);
+}
+void* aligned_alloc(std::size_t alignment, std::size_t bytes) {
+  return memalign(alignment, bytes);
+}
+int posix_memalign(void** memory, std::size_t alignment, std::size_t bytes) {
+  *memory = memalign(alignment, bytes);
+  return *memory != nullptr ? 0 : ENOMEM;
+}
+}
+
+#endif

@@ -1,0 +1,204 @@
+#include "platform/daemon/perception.h"
+
+#include <functional>
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "platform/daemon/device_keeper.h"
+#include "tests/unit/daemon/fake_devices.h"
+#include "tests/unit/daemon/heap_guard.h"
+
+namespace zenith {
+namespace {
+
+Parameters few_particles() {
+  Parameters parameters;
+  parameters.particles = 32;
+  return parameters;
+}
+
+// The perception thread with a keeper, as in the daemon.
+class PerceptionRig {
+ public:
+  explicit PerceptionRig(const LiveSettings& live = {})
+      : perception(robot.devices, few_particles(), 1, live, *exchange),
+        keeper_(*robot.devices.camera, perception.camera_turn(), *robot.devices.can,
+                perception.can_turn()) {
+    warm_up(robot.devices.robot, few_particles());
+  }
+  ~PerceptionRig() { stop(); }
+
+  void start() {
+    keeping_ = std::thread([this] { keeper_.run(stop_); });
+    perceiving_ = std::thread([this] {
+      const HeapGuard guard;
+      perception.run(stop_);
+      heap_calls = guard.calls();
+    });
+    robot.drive();
+  }
+  void stop() {
+    robot.stop();
+    stop_.store(true);
+    if (keeping_.joinable()) keeping_.join();
+    if (perceiving_.joinable()) perceiving_.join();
+  }
+
+  PerceptionReport report() const {
+    PerceptionReport report;
+    perception.read(report);
+    return report;
+  }
+  // Until it holds, at most 20 s.
+  bool wait_for(const std::function<bool(const PerceptionReport&)>& holds) const {
+    for (int i = 0; i < 2000; ++i) {
+      if (holds(report())) return true;
+      sleep_until(monotonic_now() + Duration{10'000'000});
+    }
+    return false;
+  }
+  // Events are taken as they are looked for.
+  bool saw(PerceptionEventKind kind) {
+    PerceptionEvent event;
+    while (perception.next_event(event)) seen_.push_back(event.kind);
+    return std::find(seen_.begin(), seen_.end(), kind) != seen_.end();
+  }
+
+  FakeRobot robot;
+  const std::unique_ptr<Exchange> exchange = std::make_unique<Exchange>();
+  Perception perception;
+  std::uint64_t heap_calls = 0;  // of the perception thread, after stop()
+
+ private:
+  DeviceKeeper keeper_;
+  std::atomic<bool> stop_ = false;
+  std::vector<PerceptionEventKind> seen_;
+  std::thread keeping_;
+  std::thread perceiving_;
+};
+
+TEST(Perception, MakesPosesOfFramesAndWheels) {
+  PerceptionRig rig;
+  rig.start();
+  ASSERT_TRUE(rig.wait_for([](const auto& r) { return r.steps.frames >= 30; }));
+  rig.stop();
+  const PerceptionReport report = rig.report();
+  EXPECT_TRUE(report.has_pose);
+  EXPECT_GT(report.corners, 10);
+  EXPECT_GT(report.T_start_robot.x_m, 0.05);
+  EXPECT_GT(report.wheels.samples, 100u);
+  EXPECT_LT(report.steps.odometry_extrapolated, report.steps.frames / 2);
+  EXPECT_TRUE(rig.saw(PerceptionEventKind::kFirstPose));
+  EXPECT_EQ(rig.perception.deadlines().step.count(), report.steps.frames);
+  EXPECT_GT(rig.perception.deadlines().wake_up.count(), 30u);
+}
+
+TEST(Perception, TakesNothingFromTheHeap) {
+  if (!HeapGuard::works()) GTEST_SKIP() << "a sanitizer has the heap";
+  {
+    const HeapGuard guard;
+    const auto taken = std::make_unique<int>(3);
+    ASSERT_EQ(guard.calls(), 1u) << "the guard sees nothing";
+  }
+  PerceptionRig rig;
+  rig.start();
+  ASSERT_TRUE(rig.wait_for([](const auto& r) { return r.steps.frames >= 20; }));
+  // What goes wrong needs no heap either.
+  rig.robot.camera->set_plugged(false);
+  ASSERT_TRUE(rig.wait_for([](const auto& r) { return !r.camera_up; }));
+  rig.robot.camera->set_plugged(true);
+  rig.robot.can->set_up(false);
+  ASSERT_TRUE(rig.wait_for([](const auto& r) { return r.camera.opened == 2 && !r.can_up; }));
+  rig.robot.can->set_up(true);
+  rig.perception.set_live({});
+  LandmarkRecord landmark;
+  for (std::uint32_t i = 0; i < 300; ++i) {
+    landmark.id = i;
+    rig.exchange->peers.push({static_cast<int>(i % 3), landmark});
+  }
+  ASSERT_TRUE(rig.wait_for([](const auto& r) { return r.can_up && r.steps.frames >= 60; }));
+  rig.stop();
+  EXPECT_EQ(rig.heap_calls, 0u);
+  EXPECT_EQ(rig.exchange->peers.size(), 0u);
+}
+
+TEST(Perception, LostDevicesComeBackAndTheMapStays) {
+  PerceptionRig rig;
+  rig.start();
+  ASSERT_TRUE(rig.wait_for([](const auto& r) { return r.steps.frames >= 10; }));
+  rig.robot.camera->set_plugged(false);
+  ASSERT_TRUE(rig.wait_for([](const auto& r) { return !r.camera_up; }));
+  EXPECT_TRUE(rig.saw(PerceptionEventKind::kCameraLost));
+  const std::uint64_t beat = rig.perception.heartbeat();
+  const auto frames = rig.report().steps.frames;
+  sleep_until(monotonic_now() + Duration{100'000'000});
+  EXPECT_GT(rig.perception.heartbeat(), beat) << "the loop goes on without a camera";
+  EXPECT_EQ(rig.report().steps.frames, frames);
+  rig.robot.camera->set_plugged(true);
+  ASSERT_TRUE(rig.wait_for([&](const auto& r) { return r.steps.frames > frames + 5; }));
+
+  rig.robot.can->set_bus_off(true);
+  ASSERT_TRUE(rig.wait_for([](const auto& r) { return r.bus_off; }));
+  rig.robot.can->set_bus_off(false);
+  ASSERT_TRUE(rig.wait_for([](const auto& r) { return !r.bus_off && r.can_up; }));
+  rig.robot.can->set_up(false);
+  ASSERT_TRUE(rig.wait_for([](const auto& r) { return !r.can_up; }));
+  EXPECT_TRUE(rig.saw(PerceptionEventKind::kCanLost));
+  EXPECT_TRUE(rig.saw(PerceptionEventKind::kBusOff));
+  const auto without = rig.report().steps.frames;
+  ASSERT_TRUE(rig.wait_for([&](const auto& r) { return r.steps.frames > without + 5; }))
+      << "frames are used without wheels, too";
+  rig.robot.can->set_up(true);
+  ASSERT_TRUE(rig.wait_for([](const auto& r) { return r.can_up; }));
+  EXPECT_TRUE(rig.saw(PerceptionEventKind::kBusBack));
+  EXPECT_GT(rig.report().T_start_robot.x_m, 0.02);
+}
+
+TEST(Perception, WaitsForWheelsButNotForEver) {
+  LiveSettings live;
+  live.patience = {20'000'000};
+  PerceptionRig rig(live);
+  rig.robot.wheels_on.store(false);
+  rig.start();
+  ASSERT_TRUE(rig.wait_for([](const auto& r) { return r.steps.frames >= 5; }));
+  EXPECT_EQ(rig.report().wheels_late, rig.report().steps.frames);
+  rig.robot.wheels_on.store(true);
+  ASSERT_TRUE(rig.wait_for([](const auto& r) { return r.wheels.samples > 20; }));
+  const auto late = rig.report().wheels_late;
+  const auto frames = rig.report().steps.frames;
+  ASSERT_TRUE(rig.wait_for([&](const auto& r) { return r.steps.frames >= frames + 10; }));
+  EXPECT_LT(rig.report().wheels_late - late, 10u);
+}
+
+TEST(Perception, ShedsCornersWhenStepsTakeTooLong) {
+  LiveSettings slow;
+  slow.load = {1e-6, 40, kMaxCorners};  // any step is too long
+  PerceptionRig rig(slow);
+  rig.start();
+  ASSERT_TRUE(rig.wait_for([](const auto& r) { return r.corners_max == 40; }));
+  EXPECT_TRUE(rig.saw(PerceptionEventKind::kShedding));
+  ASSERT_TRUE(rig.wait_for([](const auto& r) { return r.steps.frames >= 20; }));
+  EXPECT_LE(rig.report().corners, 40);
+  EXPECT_GT(rig.report().frames_shed, 10u);
+  LiveSettings patient;
+  patient.load = {1.0, 40, 48};
+  rig.perception.set_live(patient);
+  ASSERT_TRUE(rig.wait_for([](const auto& r) { return !r.sheds; }));
+  EXPECT_LE(rig.report().corners_max, 48);
+}
+
+TEST(Perception, PublishesNoMoreThanThereIsRoomFor) {
+  PerceptionRig rig;
+  while (rig.exchange->own.push({})) {
+  }
+  const auto rejected = rig.exchange->own.rejected();
+  rig.start();
+  ASSERT_TRUE(rig.wait_for([](const auto& r) { return r.steps.mapper.landmarks_promoted > 5; }));
+  EXPECT_EQ(rig.exchange->own.rejected(), rejected) << "what found no room was taken from the map";
+}
+
+}  // namespace
+}  // namespace zenith

@@ -1,0 +1,150 @@
+#include "platform/daemon/telemetry_socket.h"
+
+#include <sys/socket.h>
+#include <sys/un.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "platform/daemon/telemetry_lines.h"
+#include "tests/support/line_reader.h"
+#include "tests/unit/tools/temporary_folder.h"
+
+namespace zenith {
+namespace {
+
+using testing::HasSubstr;
+
+class TelemetryTest : public testing::Test {
+ protected:
+  tools::TemporaryFolder folder_;
+  std::string path_ = (folder_.path() / "t.sock").string();
+};
+
+TEST_F(TelemetryTest, TellsAllReadersLineByLine) {
+  TelemetrySocket socket;
+  ASSERT_TRUE(socket.open(path_).ok());
+  LineReader first(path_);
+  LineReader second(path_);
+  EXPECT_EQ(socket.accept("hello\n"), 2u);
+  socket.send("one\n");
+  socket.send("two\n");
+  for (LineReader* reader : {&first, &second}) {
+    EXPECT_EQ(reader->next(), "hello\n");
+    EXPECT_EQ(reader->next(), "one\n");
+    EXPECT_EQ(reader->next(), "two\n");
+  }
+}
+
+TEST_F(TelemetryTest, AReaderThatDoesNotReadHoldsNobodyUp) {
+  TelemetrySocket socket;
+  ASSERT_TRUE(socket.open(path_).ok());
+  LineReader sleeper(path_);
+  LineReader awake(path_);
+  socket.accept("hello\n");
+  awake.next();
+  const std::string line(1000, 'x');
+  for (int i = 0; i < 2000; ++i) {
+    socket.send(line);
+    ASSERT_EQ(awake.next().size(), line.size()) << i;
+  }
+  EXPECT_GT(socket.dropped(), 0u);
+  EXPECT_EQ(socket.readers(), 2u);
+}
+
+TEST_F(TelemetryTest, ForgetsReadersThatLeftAndTurnsAwayTooMany) {
+  TelemetrySocket socket;
+  ASSERT_TRUE(socket.open(path_).ok());
+  {
+    LineReader leaves(path_);
+    socket.accept("hello\n");
+    EXPECT_EQ(socket.readers(), 1u);
+  }
+  socket.send("anybody?\n");
+  EXPECT_EQ(socket.readers(), 0u);
+  std::vector<std::unique_ptr<LineReader>> many;
+  for (std::size_t i = 0; i < TelemetrySocket::kReaders + 2; ++i) {
+    many.push_back(std::make_unique<LineReader>(path_));
+    socket.accept("hello\n");
+  }
+  EXPECT_EQ(socket.readers(), TelemetrySocket::kReaders);
+}
+
+TEST_F(TelemetryTest, ReplacesWhatIsLeftBehindButNotAListener) {
+  {
+    // Left behind by a program that was killed: the file, and nobody listens.
+    const int fd = ::socket(AF_UNIX, SOCK_SEQPACKET, 0);
+    sockaddr_un address = {};
+    address.sun_family = AF_UNIX;
+    std::memcpy(address.sun_path, path_.data(), path_.size());
+    ASSERT_EQ(::bind(fd, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
+    ::close(fd);
+  }
+  TelemetrySocket socket;
+  ASSERT_TRUE(socket.open(path_).ok());
+  TelemetrySocket other;
+  const Status second = other.open(path_);
+  ASSERT_FALSE(second.ok());
+  EXPECT_THAT(second.error().message, HasSubstr("another program listens"));
+  other.close();
+  EXPECT_TRUE(std::filesystem::exists(path_)) << "it belongs to the first";
+  socket.close();
+  EXPECT_FALSE(std::filesystem::exists(path_));
+}
+
+TEST_F(TelemetryTest, SaysWhyItCannotOpen) {
+  TelemetrySocket socket;
+  const Status missing = socket.open("/no/such/folder/t.sock");
+  ASSERT_FALSE(missing.ok());
+  EXPECT_THAT(missing.error().message, HasSubstr("RuntimeDirectory="));
+  EXPECT_FALSE(socket.open(std::string(200, 'x')).ok());
+}
+
+TEST(RuntimePath, IsTheServicesFolder) {
+  setenv("RUNTIME_DIRECTORY", "/run/zenith:/run/other", 1);
+  EXPECT_EQ(runtime_path("t.sock"), "/run/zenith/t.sock");
+  EXPECT_EQ(runtime_path("/abs/t.sock"), "/abs/t.sock");
+  unsetenv("RUNTIME_DIRECTORY");
+}
+
+TEST(JsonLine, IsJsonWhateverIsPutIn) {
+  JsonLine line;
+  line.text("a", "quote \" slash \\ line\nend").number("b", 0.5).count("c", 18446744073709551615U);
+  line.number("d", std::nan("")).number("e", std::numeric_limits<double>::infinity());
+  line.begin("f").flag("g", true).end().numbers("h", std::array<double, 2>{1.0, -2.5});
+  EXPECT_EQ(line.finish(),
+            "{\"a\":\"quote \\\" slash \\\\ line end\",\"b\":0.5,\"c\":18446744073709551615,"
+            "\"d\":null,\"e\":null,\"f\":{\"g\":true},\"h\":[1,-2.5]}\n");
+}
+
+TEST(JsonLine, IsEmptyWhenItDoesNotFit) {
+  JsonLine line;
+  line.text("long", std::string(5000, 'x'));
+  EXPECT_EQ(line.finish(), "");
+}
+
+// The longest lines that there can be fit.
+TEST(TelemetryLines, FitWithTheLargestNumbers) {
+  PerceptionReport report;
+  std::memset(static_cast<void*>(&report.camera), 0xff, sizeof report.camera);
+  std::memset(static_cast<void*>(&report.can), 0xff, sizeof report.can);
+  std::memset(static_cast<void*>(&report.wheels), 0xff, sizeof report.wheels);
+  std::memset(static_cast<void*>(&report.steps), 0xff, sizeof report.steps);
+  report.covariance.fill(-1.23456789e-300);
+  JsonLine health;
+  write_health(health, report, {RobotLight::kFault, std::string(100, 'x')}, {~0U, ~0U, ~0U});
+  EXPECT_THAT(std::string(health.finish()), HasSubstr("\"page_faults\""));
+  JsonLine pose;
+  write_pose(pose, report);
+  EXPECT_NE(pose.finish(), "");
+  JsonLine peer;
+  write_peer(peer, {}, {});
+  EXPECT_THAT(std::string(peer.finish()), HasSubstr("\"state\":\"candidate\""));
+}
+
+}  // namespace
+}  // namespace zenith
