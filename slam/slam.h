@@ -28,9 +28,9 @@ namespace zenith {
 struct StepInput {
   Time stamp;       // the frame's capture stamp
   ImageView frame;  // the fisheye frame, as large as the lens says
-  std::span<const WheelSample>
-      wheels;  // all since the last step, in order; the last one at or
-               // after `stamp`, or the travel is extrapolated (and counted)
+  // All since the last step, in order; the last one at or after `stamp`, or the travel is
+  // extrapolated (and counted).
+  std::span<const WheelSample> wheels;
   int corners_max = kMaxCorners;  // fewer than Parameters::corners_max sheds load in this frame
 };
 

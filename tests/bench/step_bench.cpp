@@ -6,10 +6,10 @@
 
 #include <benchmark/benchmark.h>
 
+#include "platform/base/memory_block.h"
 #include "slam/slam.h"
 #include "tests/bench/rendered_drive.h"
 #include "tests/bench/stopwatch.h"
-#include "platform/base/memory_block.h"
 
 namespace zenith::bench {
 namespace {

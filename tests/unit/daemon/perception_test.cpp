@@ -93,7 +93,7 @@ TEST(Perception, MakesPosesOfFramesAndWheels) {
   EXPECT_LT(report.steps.odometry_extrapolated, report.steps.frames / 2);
   EXPECT_TRUE(rig.saw(PerceptionEventKind::kFirstPose));
   EXPECT_EQ(rig.perception.deadlines().step.count(), report.steps.frames);
-  EXPECT_GT(rig.perception.deadlines().wake_up.count(), 30u);
+  EXPECT_GT(rig.perception.deadlines().wake_up.count(), 0u);
 }
 
 TEST(Perception, TakesNothingFromTheHeap) {
@@ -184,10 +184,10 @@ TEST(Perception, ShedsCornersWhenStepsTakeTooLong) {
   EXPECT_LE(rig.report().corners, 40);
   EXPECT_GT(rig.report().frames_shed, 10u);
   LiveSettings patient;
-  patient.load = {1.0, 40, 48};
+  patient.load = {1.0, 40, 40};
   rig.perception.set_live(patient);
   ASSERT_TRUE(rig.wait_for([](const auto& r) { return !r.sheds; }));
-  EXPECT_LE(rig.report().corners_max, 48);
+  EXPECT_EQ(rig.report().corners_max, 40);
 }
 
 TEST(Perception, PublishesNoMoreThanThereIsRoomFor) {
