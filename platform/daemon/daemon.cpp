@@ -21,7 +21,11 @@
 namespace zenith {
 namespace {
 
-constexpr std::size_t kStack = std::size_t{1024} * 1024;  // with what libraries keep for a thread
+#if defined(__SANITIZE_THREAD__)
+constexpr std::size_t kStack = std::size_t{4096} * 1024;  // the sanitizer keeps its own there, too
+#else
+constexpr std::size_t kStack = std::size_t{512} * 1024;
+#endif
 constexpr std::size_t kStackTouched = std::size_t{256} * 1024;
 constexpr Duration kTick = {50'000'000};
 // After this a thread that does not end is left behind.
