@@ -186,7 +186,7 @@ void JointFilter::update_landmarks(std::span<const JointFrame> frames, Mapper& h
       const Sighting& s = sightings_[start + k];
       const JointFrame& frame = frames[static_cast<std::size_t>(s.frame)];
       const Feature& f = matched(frame, *s.candidate);
-      observers[k] = {mapper(frame.robot).particles().camera, f.zx, f.zy, f.noise};
+      observers[k] = {mapper(frame.robot).particles().camera, f.zx, f.zy, s.candidate->noise};
       steering = steering && s.candidate->promoted;
     }
     const LandmarkRows rows = host.map().rows(slot);

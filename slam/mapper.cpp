@@ -39,7 +39,8 @@ void Mapper::build(const RobotConfig& robot, const Parameters& parameters, std::
   association_.min_radius = 1.5 * pixel_;
   map_ = &own_map_;
   map_->reset();
-  calibration_.reset(p_.tilt_sigma_deg * kDegree, p_.focal_sigma);
+  calibration_.reset(
+      {p_.tilt_sigma_deg * kDegree, p_.focal_sigma, p_.principal_sigma_px / robot.lens.fu_px});
   const auto n = static_cast<std::size_t>(particles_.count);
   std::fill_n(particles_.weight.begin(), n, 1.0 / static_cast<double>(n));
   place_cameras(particles_, lever_m());
@@ -60,7 +61,7 @@ void Mapper::update(const WheelTravel& travel, Features& features, const Feature
   for (const Candidate& c : candidates_[0]) {
     if (!c.inlier) continue;
     const Feature& f = features[static_cast<std::size_t>(c.corner)];
-    update_landmark(map_->rows(c.slot), particles_.camera, particles_.count, f.zx, f.zy, f.noise);
+    update_landmark(map_->rows(c.slot), particles_.camera, particles_.count, f.zx, f.zy, c.noise);
     note(c, f);
   }
   keep();
@@ -94,6 +95,7 @@ void Mapper::move(const WheelTravel& travel, Features& features) {
 void Mapper::sense(const Features& features, const FeatureExtractor& view) {
   predict_candidates(view);
   associate(features);
+  trust_matches(features);
   if (calibration_.enabled()) learn_calibration(features);
   weigh_and_move(features);
 }
@@ -101,6 +103,10 @@ void Mapper::sense(const Features& features, const FeatureExtractor& view) {
 void Mapper::estimate() {
   effective_ = normalise_weights(particles_);
   pose_ = estimate_pose(particles_);
+  if (!calibration_.enabled()) return;
+  // All particles share one calibration: what it may still have wrong is not in their spread.
+  const PoseSensitivity& A = pose_by_calibration_;
+  pose_.covariance += A * calibration_.covariance() * A.transpose();
 }
 
 // Propagates how pose and landmarks depend on the calibration, and what the residuals tell of it.
@@ -123,32 +129,28 @@ void Mapper::learn_calibration(const Features& features) {
       const Feature& f = features[static_cast<std::size_t>(c.corner)];
       const Eigen::Vector2d z(f.zx, f.zy);
       const ObservationModel model = linearise(map_->rows(c.slot), particles_.camera, best,
-                                               lever_m(), static_cast<double>(f.noise));
+                                               lever_m(), static_cast<double>(c.noise));
       visit(c, z, model,
             residual_sensitivity(model, z, map_->by_calibration(c.slot), pose_by_calibration_,
                                  map_->anchor_by_calibration(c.slot)));
     }
   };
   for_each_inlier([&](const Candidate& c, const Eigen::Vector2d& z, const ObservationModel&,
-                      const Eigen::Matrix<double, 2, 3>& D) {
+                      const SightSensitivity& D) {
     if (!c.promoted) return;
-    const Eigen::Matrix2d W = c.own.inverse();
-    const Eigen::Vector2d r = z - c.m;
-    const Eigen::Vector2d after = r - c.G * correction_.xi;
-    calibration_.add(r, c.G, D, W / (1.0 + after.dot(W * after) / 4.0));
+    calibration_.add(z - c.m, c.G, D, c.own_trusted().inverse());
   });
   PoseSensitivity gain = calibration_.pose_gain();
   gain.topRows<2>() = rotation(pose_.mean.theta_rad) * gain.topRows<2>();
   pose_by_calibration_ += gain;
-  for_each_inlier([&](const Candidate& c, const Eigen::Vector2d&, const ObservationModel& model,
-                      const Eigen::Matrix<double, 2, 3>& D) {
-    map_->by_calibration(c.slot) += model.gain * D;
-  });
+  for_each_inlier(
+      [&](const Candidate& c, const Eigen::Vector2d&, const ObservationModel& model,
+          const SightSensitivity& D) { map_->by_calibration(c.slot) += model.gain * D; });
 }
 
 // The calibration was learned a little better: poses move with it now, landmarks when next touched.
-void Mapper::move_by_calibration(const Eigen::Vector3d& step) {
-  const Eigen::Vector3d move = pose_by_calibration_ * step;
+void Mapper::move_by_calibration(const CalibrationVector& step) {
+  const Eigen::Vector3d move = -pose_by_calibration_ * step;
   for (int i = 0; i < particles_.count; ++i) {
     const Pose2 pose = particles_.pose(i);
     particles_.set_pose(i, {pose.x_m + move.x(), pose.y_m + move.y(), pose.theta_rad + move.z()});
@@ -165,10 +167,10 @@ void Mapper::weigh_and_move(const Features& features) {
     const Feature& f = features[static_cast<std::size_t>(c.corner)];
     const LandmarkRows rows = map_->rows(c.slot);
     if (optimal) {
-      add_to_proposal(rows, particles_.camera, particles_.count, lever, f.zx, f.zy, f.noise,
+      add_to_proposal(rows, particles_.camera, particles_.count, lever, f.zx, f.zy, c.noise,
                       proposal_);
     } else {
-      add_log_likelihood(rows, particles_.camera, particles_.count, f.zx, f.zy, f.noise,
+      add_log_likelihood(rows, particles_.camera, particles_.count, f.zx, f.zy, c.noise,
                          static_cast<float>(p_.likelihood_cap), particles_.log_weight.data());
     }
   }

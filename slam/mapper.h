@@ -99,8 +99,9 @@ class Mapper {
                 const PoseCorrection& recent);
   void follow_old_map();
   void believe_slip();
+  void trust_matches(const Features& features);
   void learn_calibration(const Features& features);
-  void move_by_calibration(const Eigen::Vector3d& step);
+  void move_by_calibration(const CalibrationVector& step);
   void weigh_and_move(const Features& features);
   bool near_candidate(const Feature& f) const;
   void evict_one();

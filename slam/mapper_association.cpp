@@ -18,6 +18,7 @@ constexpr double kSettledRadius_px = 2.5;
 constexpr int kEnoughToSteer = 15;
 // A wheel that slips between two frames: forward, left, turn.
 const Eigen::Vector3d kSlip(0.02, 0.01, 2.0 * std::numbers::pi / 180.0);
+constexpr double kDegrees = 4.0;         // of freedom, of a match's error as Student's t
 constexpr double kSlipDistance2 = 20.0;  // chi squared, 3 degrees of freedom: 1 in 6000
 
 }  // namespace
@@ -77,6 +78,7 @@ bool Mapper::predict_candidate(int slot, const FeatureExtractor& view, Candidate
   c.slot = slot;
   c.m = mean;
   const float noise = observation_noise(static_cast<float>(mean.squaredNorm()));
+  c.stated_noise = noise;
   c.own = own + static_cast<double>(noise) * Eigen::Matrix2d::Identity();
   c.promoted = info.state == LandmarkState::kPromoted;
   const double unseen_m = map_->way_m() - info.last_seen_way_m;
@@ -134,6 +136,24 @@ void Mapper::associate(const Features& features) {
     const Eigen::Vector2d d = Eigen::Vector2d(f.zx, f.zy) - c.m - c.G * correction_.xi;
     const Eigen::Matrix2d S = c.own + c.G * correction_.covariance * c.G.transpose();
     c.inlier = d.dot(S.inverse() * d) < p_.gate_sigma * p_.gate_sigma;
+  }
+}
+
+// How much each match counts. A corner that slides with the view, or lies on two things at once,
+// misfits again and again: its noise grows by the landmark's mean misfit. A single match misfits by
+// accident: its noise is Student's t, whose expected precision, given the residual in two
+// dimensions, is (nu + 2) / (nu + d^2). Neither makes a match better than stated.
+void Mapper::trust_matches(const Features& features) {
+  for (Candidate& c : candidates_[0]) {
+    if (!c.inlier) continue;
+    const Feature& f = features[static_cast<std::size_t>(c.corner)];
+    const Eigen::Vector2d d = Eigen::Vector2d(f.zx, f.zy) - c.m - c.G * correction_.xi;
+    const Eigen::Matrix2d S = c.own + c.G * correction_.covariance * c.G.transpose();
+    const double d2 = d.dot(S.inverse() * d);
+    c.misfit = 0.5 * d2;
+    const double lasting = std::max(1.0, static_cast<double>(map_->info(c.slot).misfit));
+    const double once = std::max(1.0, (kDegrees + d2 / lasting) / (kDegrees + 2.0));
+    c.noise = f.noise * static_cast<float>(lasting * once);
   }
 }
 

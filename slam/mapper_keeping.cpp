@@ -12,6 +12,9 @@ namespace {
 
 constexpr double kNewLandmarkDistance_px = 5.0;
 constexpr int kRefreshPerFrame = 8;
+// A landmark's misfit is a running mean over so many matches, begun with so many of an honest one.
+constexpr int kMisfitPrior = 10;
+constexpr int kMisfitMemory = 50;
 constexpr double kInView_m = 1.0;  // seen within this way: not to be evicted
 constexpr int kEstablishedObservations = 10;
 constexpr double kTentativeWay_m = 1.0;  // a tentative landmark unseen for this long is forgotten
@@ -33,6 +36,8 @@ void Mapper::note(const Candidate& c, const Feature& f) {
   map_->refresh_place(c.slot, particles_.weight.data(), robot_.mount.z_m);
   LandmarkInfo& l = map_->info(c.slot);
   ++l.observations;
+  const int of = std::min(l.observations + kMisfitPrior, kMisfitMemory);
+  l.misfit += (static_cast<float>(c.misfit) - l.misfit) / static_cast<float>(of);
   l.misses_in_row = 0;
   l.last_seen_way_m = map_->way_m();
   l.changed = true;
@@ -125,6 +130,7 @@ void Mapper::start_landmarks(const Features& features) {
       continue;
     }
     start_landmark(map_->rows(slot), particles_.count, f.zx, f.zy, f.noise, rho_mean, rho_sigma);
+    map_->by_calibration(slot) = starting_sensitivity({f.zx, f.zy});
     map_->refresh_place(slot, particles_.weight.data(), robot_.mount.z_m);
     LandmarkInfo& l = map_->info(slot);
     l.observations = 1;

@@ -49,6 +49,8 @@ constexpr auto kTable = std::to_array<ParameterInfo>({
      "how wrong the calibrated tilt of the camera may be; the rest is learned while driving; 0: "
      "off",
      &P::tilt_sigma_deg},
+    {"principal_sigma_px", "px", 0, 10, "the same of the principal point; 0: taken as calibrated",
+     &P::principal_sigma_px},
     {"focal_sigma", "", 0, 0.1, "the same of the focal length, relative; 0: taken as calibrated",
      &P::focal_sigma},
 

@@ -24,13 +24,14 @@ struct Parameters {
   // filter
   int particles = 200;
   int optimal_proposal = 1;
-  double pixel_sigma_px = 1.0;
+  double pixel_sigma_px = 0.35;
   double gate_sigma = 3.5;
   double likelihood_cap = 9.0;
   double resample_below = 0.5;
   double min_travel_m = 0.005;
   double min_turn_deg = 0.3;
-  double tilt_sigma_deg = 0.2;
+  double tilt_sigma_deg = 0.1;
+  double principal_sigma_px = 0.1;
   double focal_sigma = 0.0;
 
   // association

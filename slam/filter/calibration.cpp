@@ -12,7 +12,7 @@ namespace zenith {
 namespace {
 
 // A corner's error lasts for many frames, so a frame tells less than its residuals say.
-constexpr double kFrameWeight = 0.2;
+constexpr double kFrameWeight = 0.1;
 // Of the information, forgotten with each frame: a mount that settles is followed in minutes.
 constexpr double kForget = 2e-4;
 
@@ -22,12 +22,23 @@ Eigen::Vector2d perpendicular(const Eigen::Vector2d& v) {
 
 }  // namespace
 
-Eigen::Matrix<double, 2, 3> calibration_effect(const Eigen::Vector2d& z) {
+SightSensitivity calibration_effect(const Eigen::Vector2d& z) {
   const double r = z.norm();
-  const double stretch = r < 1e-6 ? 1.0 : (1.0 + r * r) * std::atan(r) / r;
-  Eigen::Matrix<double, 2, 3> C;
-  C << Eigen::Matrix2d::Identity() + z * z.transpose(), stretch * z;
+  const bool centre = r < 1e-6;
+  const double across = centre ? 1.0 : r / std::atan(r);
+  const Eigen::Vector2d e = centre ? Eigen::Vector2d(1.0, 0.0) : Eigen::Vector2d(z / r);
+  const Eigen::Matrix2d radial = e * e.transpose();
+  SightSensitivity C;
+  C.leftCols<2>() = Eigen::Matrix2d::Identity() + z * z.transpose();
+  C.col(2) = (1.0 + r * r) / across * z;
+  C.rightCols<2>() = (1.0 + r * r) * radial + across * (Eigen::Matrix2d::Identity() - radial);
   return C;
+}
+
+LandmarkSensitivity starting_sensitivity(const Eigen::Vector2d& z) {
+  LandmarkSensitivity B = LandmarkSensitivity::Zero();
+  B.topRows<2>() = -calibration_effect(z);
+  return B;
 }
 
 ObservationModel linearise(const LandmarkRows& l, const CameraRows& camera, int i,
@@ -55,21 +66,20 @@ ObservationModel linearise(const LandmarkRows& l, const CameraRows& camera, int 
   return out;
 }
 
-Eigen::Matrix<double, 2, 3> residual_sensitivity(const ObservationModel& model,
-                                                 const Eigen::Vector2d& z,
-                                                 const LandmarkSensitivity& B,
-                                                 const PoseSensitivity& A_pose,
-                                                 const PoseSensitivity& A_anchor) {
+SightSensitivity residual_sensitivity(const ObservationModel& model, const Eigen::Vector2d& z,
+                                      const LandmarkSensitivity& B, const PoseSensitivity& A_pose,
+                                      const PoseSensitivity& A_anchor) {
   return -calibration_effect(z) - model.by_landmark * B - model.by_pose * A_pose -
          model.by_anchor * A_anchor;
 }
 
-void CalibrationEstimator::reset(double tilt_sigma_rad, double focal_sigma) {
-  enabled_ = tilt_sigma_rad > 0.0;
+void CalibrationEstimator::reset(const CalibrationPrior& prior) {
+  enabled_ = prior.tilt_rad > 0.0;
   beta_.setZero();
-  const Eigen::Vector3d sigma(tilt_sigma_rad, tilt_sigma_rad, std::max(focal_sigma, 1e-6));
+  CalibrationVector sigma;
+  sigma << prior.tilt_rad, prior.tilt_rad, prior.focal, prior.principal, prior.principal;
   information_.setIdentity();
-  if (enabled_) information_ = sigma.cwiseAbs2().cwiseInverse().asDiagonal();
+  if (enabled_) information_ = sigma.cwiseMax(1e-6).cwiseAbs2().cwiseInverse().asDiagonal();
 }
 
 void CalibrationEstimator::begin_frame(const Eigen::Matrix3d& motion_information) {
@@ -81,8 +91,7 @@ void CalibrationEstimator::begin_frame(const Eigen::Matrix3d& motion_information
 }
 
 void CalibrationEstimator::add(const Eigen::Vector2d& residual,
-                               const Eigen::Matrix<double, 2, 3>& G,
-                               const Eigen::Matrix<double, 2, 3>& D,
+                               const Eigen::Matrix<double, 2, 3>& G, const SightSensitivity& D,
                                const Eigen::Matrix2d& weight) {
   bb_ += D.transpose() * weight * D;
   bx_ += D.transpose() * weight * G;
@@ -95,17 +104,17 @@ PoseSensitivity CalibrationEstimator::pose_gain() const {
   return xx_.llt().solve(bx_.transpose());
 }
 
-Eigen::Vector3d CalibrationEstimator::end_frame() {
+CalibrationVector CalibrationEstimator::end_frame() {
   const Eigen::LLT<Eigen::Matrix3d> llt(xx_);
-  const Eigen::Matrix3d told = bb_ - bx_ * llt.solve(bx_.transpose());
-  const Eigen::Vector3d right = b_ - bx_ * llt.solve(x_);
+  const CalibrationMatrix told = bb_ - bx_ * llt.solve(bx_.transpose());
+  const CalibrationVector right = b_ - bx_ * llt.solve(x_);
   information_ = (1.0 - kForget) * information_ + kFrameWeight * told;
-  const Eigen::Vector3d step = information_.ldlt().solve(kFrameWeight * right);
+  const CalibrationVector step = information_.ldlt().solve(kFrameWeight * right);
   beta_ += step;
   return step;
 }
 
-Eigen::Matrix3d CalibrationEstimator::covariance() const {
+CalibrationMatrix CalibrationEstimator::covariance() const {
   return information_.inverse();
 }
 

@@ -1,24 +1,30 @@
 #pragma once
-// What is left of the camera's calibration error, estimated while driving: two angles of tilt and
-// one of focal length.
+// What is left of the camera's calibration error, estimated while driving: two angles of tilt, the
+// principal point, the focal length.
 //
 // A camera that leans 0.05 degrees more than its calibration says sees the ceiling a little
 // stretched ahead and a little squeezed behind; carried from landmark to landmark that bends the
-// scale of the map by a percent in 20 m, and its heading when it leans sideways. With beta =
-// (forward, left, focal)
+// scale of the map by a percent in 20 m. A principal point that is off by 0.1 px bends the heading
+// by a hundredth of a degree a metre. With beta = (tilt forward, tilt left, focal length, principal
+// point forward, principal point left), r = |z| and e = z / r
 //
-//   z_true = z_seen + C(z) beta,   C(z) = [ I + z z^T | (1 + |z|^2) atan(|z|) / |z| z ]
+//   z_true = z_seen + C(z) beta
+//   C(z) = [ I + z z^T | (1 + r^2) atan(r)/r z | (1 + r^2) e e^T + r/atan(r) (I - e e^T) ]
 //
-// the first two in radians, the third relative. Method: the two-stage Kalman filter (Friedland,
-// "Treatment of bias in recursive filtering", IEEE Trans. AC 14, 1969). The SLAM filter runs as if
-// the calibration were right, and beside it runs how each estimate depends on it: A = d pose / d
-// beta for the robot and each anchor, B = d (ax, ay, rho) / d beta for each landmark. A residual
-// then tells beta through its own sensitivity
+// tilt in radians, focal length relative, principal point in focal lengths; the lens is taken as
+// equidistant here, which is near enough for a derivative. Tilt and principal point differ only
+// across the radius, towards the rim. Method: the two-stage Kalman filter (Friedland, "Treatment of
+// bias in recursive filtering", IEEE Trans. AC 14, 1969). The SLAM filter runs as if the
+// calibration were right, and beside it runs how its errors depend on what the calibration has
+// wrong: estimate = truth + A beta for the robot's pose and each anchor's, + B beta for each
+// landmark's (ax, ay, rho). A landmark starts with B = [-C; 0]. A residual then tells beta through
+// its own sensitivity
 //
-//   D = -C(z) - H B - J_t A_t - J_a A_a
+//   z_seen - m(estimate) = D beta + noise,   D = -C(z) - H B - J_t A_t - J_a A_a
 //
-// with the frame's pose correction marginalised out. What is learned is fed back at once: poses and
-// landmarks move by their sensitivity (landmarks when they are next touched, see Map::rows).
+// with the frame's pose correction marginalised out. What is learned is fed back at once: z moves
+// by C dbeta, poses and landmarks by -A dbeta and -B dbeta (landmarks when they are next touched,
+// see Map::rows).
 
 #include <Eigen/Core>
 
@@ -26,11 +32,18 @@
 
 namespace zenith {
 
-using PoseSensitivity = Eigen::Matrix3d;      // of (x, y, theta)
-using LandmarkSensitivity = Eigen::Matrix3d;  // of (ax, ay, rho)
+inline constexpr int kCalibrationSize = 5;
+using CalibrationVector = Eigen::Matrix<double, kCalibrationSize, 1>;
+using CalibrationMatrix = Eigen::Matrix<double, kCalibrationSize, kCalibrationSize>;
+using PoseSensitivity = Eigen::Matrix<double, 3, kCalibrationSize>;      // of (x, y, theta)
+using LandmarkSensitivity = Eigen::Matrix<double, 3, kCalibrationSize>;  // of (ax, ay, rho)
+using SightSensitivity = Eigen::Matrix<double, 2, kCalibrationSize>;     // of z or m
 
 // C(z).
-Eigen::Matrix<double, 2, 3> calibration_effect(const Eigen::Vector2d& z);
+SightSensitivity calibration_effect(const Eigen::Vector2d& z);
+
+// B of a landmark that starts at z.
+LandmarkSensitivity starting_sensitivity(const Eigen::Vector2d& z);
 
 // One landmark's observation, linearised at one particle.
 struct ObservationModel {
@@ -42,16 +55,21 @@ struct ObservationModel {
 ObservationModel linearise(const LandmarkRows& landmark, const CameraRows& camera, int particle,
                            const Eigen::Vector2d& lever_m, double noise);
 
-Eigen::Matrix<double, 2, 3> residual_sensitivity(const ObservationModel& model,
-                                                 const Eigen::Vector2d& z,
-                                                 const LandmarkSensitivity& B,
-                                                 const PoseSensitivity& A_pose,
-                                                 const PoseSensitivity& A_anchor);
+SightSensitivity residual_sensitivity(const ObservationModel& model, const Eigen::Vector2d& z,
+                                      const LandmarkSensitivity& B, const PoseSensitivity& A_pose,
+                                      const PoseSensitivity& A_anchor);
+
+// How wrong the calibration may be: standard deviations. One of 0 is taken as right.
+struct CalibrationPrior {
+  double tilt_rad = 0.0;
+  double focal = 0.0;      // relative
+  double principal = 0.0;  // in focal lengths
+};
 
 class CalibrationEstimator {
  public:
-  // How wrong the calibration may be; a tilt of 0 switches the estimation off.
-  void reset(double tilt_sigma_rad, double focal_sigma);
+  // A tilt of 0 switches the estimation off.
+  void reset(const CalibrationPrior& prior);
   bool enabled() const { return enabled_; }
   // Learns no more; beta() stays.
   void freeze() { enabled_ = false; }
@@ -59,24 +77,25 @@ class CalibrationEstimator {
   void begin_frame(const Eigen::Matrix3d& motion_information);
   // One inlier: residual, its sensitivity to pose (body axes) and to beta, and its weight S^-1.
   void add(const Eigen::Vector2d& residual, const Eigen::Matrix<double, 2, 3>& G,
-           const Eigen::Matrix<double, 2, 3>& D, const Eigen::Matrix2d& weight);
+           const SightSensitivity& D, const Eigen::Matrix2d& weight);
   // How the frame's pose correction (body axes) depends on beta.
   PoseSensitivity pose_gain() const;
   // The frame's verdict: the step by which beta changed.
-  Eigen::Vector3d end_frame();
+  CalibrationVector end_frame();
 
-  const Eigen::Vector3d& beta() const { return beta_; }
-  Eigen::Matrix3d covariance() const;
+  const CalibrationVector& beta() const { return beta_; }
+  CalibrationMatrix covariance() const;
 
  private:
   bool enabled_ = false;
-  Eigen::Vector3d beta_ = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d information_ = Eigen::Matrix3d::Identity();
+  CalibrationVector beta_ = CalibrationVector::Zero();
+  CalibrationMatrix information_ = CalibrationMatrix::Identity();
   // This frame's normal equations over (beta, pose correction).
-  Eigen::Matrix3d bb_ = Eigen::Matrix3d::Zero();
-  Eigen::Matrix3d bx_ = Eigen::Matrix3d::Zero();
+  CalibrationMatrix bb_ = CalibrationMatrix::Zero();
+  Eigen::Matrix<double, kCalibrationSize, 3> bx_ =
+      Eigen::Matrix<double, kCalibrationSize, 3>::Zero();
   Eigen::Matrix3d xx_ = Eigen::Matrix3d::Identity();
-  Eigen::Vector3d b_ = Eigen::Vector3d::Zero();
+  CalibrationVector b_ = CalibrationVector::Zero();
   Eigen::Vector3d x_ = Eigen::Vector3d::Zero();
 };
 

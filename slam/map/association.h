@@ -28,6 +28,12 @@ struct Candidate {
   int corner = -1;                                                      // the match
   float ncc = 0.0F;
   bool inlier = false;
+  double misfit = 0.0;  // of an inlier: squared distance from its prediction, per axis, in sigmas
+  float noise = 0.0F;   // of an inlier: variance on each axis with which it counts
+  float stated_noise = 0.0F;  // the part of `own` that is measurement noise
+  Eigen::Matrix2d own_trusted() const {
+    return own + static_cast<double>(noise - stated_noise) * Eigen::Matrix2d::Identity();
+  }
 };
 
 struct AssociationSettings {

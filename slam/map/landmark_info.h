@@ -22,6 +22,7 @@ struct LandmarkInfo {
   std::int32_t observations = 0;
   std::int32_t chances = 0;  // frames in which it was predicted well inside the image
   std::int32_t misses_in_row = 0;
+  float misfit = 1.0F;  // mean of its matches' misfits: 1 where corners are as sharp as stated
   double last_seen_way_m = 0.0;  // Map::way_m() when it was last seen
 
   // Weighted over the particles when it was last brought up to date; own start frame.

@@ -145,7 +145,7 @@ LandmarkRows Map::rows(int slot) {
 
 void Map::follow_calibration(int slot, int anchor) {
   LandmarkCalibration& l = calibrations_[static_cast<std::size_t>(slot)];
-  const Eigen::Vector3f move = (l.B * (calibration_ - l.beta)).cast<float>();
+  const Eigen::Vector3f move = (l.B * (l.beta - calibration_)).cast<float>();
   l.beta = calibration_;
   for (int r = 0; r < 3; ++r) {
     if (move[r] == 0.0F) continue;
@@ -153,7 +153,7 @@ void Map::follow_calibration(int slot, int anchor) {
     for (int i = 0; i < particles_; ++i) row[i] += move[r];
   }
   AnchorCalibration& a = anchor_calibrations_[static_cast<std::size_t>(anchor)];
-  const Eigen::Vector3f shift = (a.A * (calibration_ - a.beta)).cast<float>();
+  const Eigen::Vector3f shift = (a.A * (a.beta - calibration_)).cast<float>();
   a.beta = calibration_;
   if (shift.isZero(0.0F)) return;
   float* x = anchor_rows_.row(anchor, 0);

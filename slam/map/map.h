@@ -45,7 +45,7 @@ class Map {
 
   // How landmark and anchor depend on the camera's calibration (see calibration.h), and the
   // calibration that rows() moves them to.
-  void set_calibration(const Eigen::Vector3d& beta) { calibration_ = beta; }
+  void set_calibration(const CalibrationVector& beta) { calibration_ = beta; }
   LandmarkSensitivity& by_calibration(int slot) {
     return calibrations_[static_cast<std::size_t>(slot)].B;
   }
@@ -106,14 +106,14 @@ class Map {
 
   struct LandmarkCalibration {
     LandmarkSensitivity B = LandmarkSensitivity::Zero();
-    Eigen::Vector3d beta = Eigen::Vector3d::Zero();  // for which the rows are right
+    CalibrationVector beta = CalibrationVector::Zero();  // for which the rows are right
   };
   struct AnchorCalibration {
     PoseSensitivity A = PoseSensitivity::Zero();
-    Eigen::Vector3d beta = Eigen::Vector3d::Zero();
+    CalibrationVector beta = CalibrationVector::Zero();
   };
   void follow_calibration(int slot, int anchor);
-  Eigen::Vector3d calibration_ = Eigen::Vector3d::Zero();
+  CalibrationVector calibration_ = CalibrationVector::Zero();
   std::span<LandmarkCalibration> calibrations_;
   std::span<AnchorCalibration> anchor_calibrations_;
 };

@@ -22,7 +22,8 @@ Eigen::Vector2d tangents(const Eigen::Vector3d& ray) {
 }
 
 // C(z) against the geometry: a camera that leans forward or to the left, and an equidistant lens
-// whose focal length is larger than believed; derivatives by central differences.
+// whose focal length is larger than believed or whose principal point lies elsewhere; derivatives
+// by central differences.
 TEST(Calibration, EffectIsTheDerivativeOfTheGeometry) {
   const TestSeed seed;
   Random random(seed.value());
@@ -36,13 +37,22 @@ TEST(Calibration, EffectIsTheDerivativeOfTheGeometry) {
       const double r = z.norm();
       return z * std::tan(std::atan(r) * (1.0 + share)) / r;
     };
-    Eigen::Matrix<double, 2, 3> numeric;
+    const auto shifted = [&](const Eigen::Vector2d& by) -> Eigen::Vector2d {
+      const double r = z.norm();
+      const Eigen::Vector2d q = std::atan(r) / r * z + by;  // in the fisheye image
+      return std::tan(q.norm()) / q.norm() * q;
+    };
+    SightSensitivity numeric;
     // To lean forward is to turn about y, to lean left about -x.
     numeric.col(0) =
         turned(Eigen::Vector3d::UnitY(), kStep) - turned(Eigen::Vector3d::UnitY(), -kStep);
     numeric.col(1) =
         turned(-Eigen::Vector3d::UnitX(), kStep) - turned(-Eigen::Vector3d::UnitX(), -kStep);
     numeric.col(2) = stretched(kStep) - stretched(-kStep);
+    for (int i = 0; i < 2; ++i) {
+      const Eigen::Vector2d by = kStep * Eigen::Vector2d::Unit(i);
+      numeric.col(3 + i) = shifted(by) - shifted(-by);
+    }
     numeric /= 2.0 * kStep;
     ASSERT_LT((calibration_effect(z) - numeric).norm(), 1e-7) << z.transpose();
   }
@@ -117,7 +127,7 @@ TEST(Calibration, ResidualSensitivityAgreesWithNumbers) {
   const TestSeed seed;
   Random random(seed.value());
   const auto random_matrix = [&random] {
-    Eigen::Matrix3d M;
+    PoseSensitivity M;
     for (double& x : M.reshaped()) x = random.uniform(-1.0, 1.0);
     return M;
   };
@@ -127,16 +137,34 @@ TEST(Calibration, ResidualSensitivityAgreesWithNumbers) {
     const PoseSensitivity A_t = random_matrix();
     const PoseSensitivity A_a = random_matrix();
     const Eigen::Vector2d z(random.uniform(-1.2, 1.2), random.uniform(-1.2, 1.2));
-    const auto residual = [&](const Eigen::Vector3d& beta) -> Eigen::Vector2d {
+    const auto residual = [&](const CalibrationVector& beta) -> Eigen::Vector2d {
       return z - calibration_effect(z) * beta - rig.sight.m(B * beta, A_t * beta, A_a * beta);
     };
-    Eigen::Matrix<double, 2, 3> numeric;
-    for (int i = 0; i < 3; ++i) {
-      const Eigen::Vector3d e = kStep * Eigen::Vector3d::Unit(i);
+    SightSensitivity numeric;
+    for (int i = 0; i < kCalibrationSize; ++i) {
+      const CalibrationVector e = kStep * CalibrationVector::Unit(i);
       numeric.col(i) = (residual(e) - residual(-e)) / (2.0 * kStep);
     }
     const auto D = residual_sensitivity(rig.model(), z, B, A_t, A_a);
     ASSERT_LT((D - numeric).norm(), 2e-5) << "trial " << trial;
+  }
+}
+
+// Whatever the calibration has wrong, a landmark that is seen again from its anchor's pose is seen
+// where it was before: that tells nothing of beta, and must not be taken for agreement with zero.
+TEST(Calibration, TheSameSightAgainTellsNothing) {
+  const TestSeed seed;
+  Random random(seed.value());
+  for (int trial = 0; trial < 50; ++trial) {
+    Rig rig(random);
+    const Pose2 pose = rig.sight.anchor;
+    const Eigen::Vector2d c = pose * kLever;
+    rig.camera.set(0, {c.x(), c.y(), pose.theta_rad});
+    const Eigen::Vector2d z = rig.landmark.get(0).x.head<2>();
+    PoseSensitivity A;
+    for (double& x : A.reshaped()) x = random.uniform(-1.0, 1.0);
+    const auto D = residual_sensitivity(rig.model(), z, starting_sensitivity(z), A, A);
+    ASSERT_LT(D.norm(), 1e-5) << "trial " << trial;
   }
 }
 
@@ -145,9 +173,10 @@ TEST(Calibration, ResidualSensitivityAgreesWithNumbers) {
 TEST(Calibration, EstimatorFindsTheTruth) {
   const TestSeed seed;
   Random random(seed.value());
-  const Eigen::Vector3d truth(0.002, -0.0015, 0.0);
+  CalibrationVector truth;
+  truth << 0.002, -0.0015, 0.0, -0.001, 0.0005;
   CalibrationEstimator estimator;
-  estimator.reset(0.004, 0.0);
+  estimator.reset({.tilt_rad = 0.004, .focal = 0.0, .principal = 0.002});
   ASSERT_TRUE(estimator.enabled());
   const double before = estimator.covariance()(0, 0);
   const Eigen::Matrix2d weight = Eigen::Matrix2d::Identity() / kNoise;
@@ -159,19 +188,18 @@ TEST(Calibration, EstimatorFindsTheTruth) {
       const Eigen::Vector2d z(random.uniform(-1.3, 1.3), random.uniform(-1.3, 1.3));
       Eigen::Matrix<double, 2, 3> G;
       G << -0.4, 0.0, z.y(), 0.0, -0.4, -z.x();
-      const Eigen::Matrix<double, 2, 3> D = -calibration_effect(z);
+      const SightSensitivity D = -calibration_effect(z);
       const Eigen::Vector2d noise(random.normal(), random.normal());
       estimator.add(D * (truth - estimator.beta()) + G * xi + std::sqrt(kNoise) * noise, G, D,
                     weight);
     }
     estimator.end_frame();
   }
-  const Eigen::Vector3d error = estimator.beta() - truth;
-  const Eigen::Matrix3d P = estimator.covariance();
+  const CalibrationVector error = estimator.beta() - truth;
+  const CalibrationMatrix P = estimator.covariance();
   EXPECT_LT(P(0, 0), 0.05 * before);
-  EXPECT_LT(std::abs(error.x()), 5.0 * std::sqrt(P(0, 0)));
-  EXPECT_LT(std::abs(error.y()), 5.0 * std::sqrt(P(1, 1)));
-  EXPECT_LT(error.head<2>().norm(), 4e-4);
+  for (const int i : {0, 1, 3, 4}) EXPECT_LT(std::abs(error[i]), 5.0 * std::sqrt(P(i, i))) << i;
+  EXPECT_LT(error.norm(), 6e-4);
 }
 
 // The pose's share of a frame, with beta marginalised out, equals the joint normal equations.
@@ -179,28 +207,28 @@ TEST(Calibration, PoseGainSolvesTheNormalEquations) {
   const TestSeed seed;
   Random random(seed.value());
   CalibrationEstimator estimator;
-  estimator.reset(0.004, 0.0);
+  estimator.reset({.tilt_rad = 0.004, .focal = 0.0, .principal = 0.0});
   const Eigen::Matrix3d prior = Eigen::Vector3d(3e3, 2e3, 1e3).asDiagonal();
   estimator.begin_frame(prior);
   Eigen::Matrix3d xx = prior;
-  Eigen::Matrix3d xb = Eigen::Matrix3d::Zero();
+  PoseSensitivity xb = PoseSensitivity::Zero();
   for (int n = 0; n < 10; ++n) {
     const Eigen::Vector2d z(random.uniform(-1.3, 1.3), random.uniform(-1.3, 1.3));
     Eigen::Matrix<double, 2, 3> G;
     G << -0.4, 0.0, z.y(), 0.0, -0.4, -z.x();
-    const Eigen::Matrix<double, 2, 3> D = -calibration_effect(z);
+    const SightSensitivity D = -calibration_effect(z);
     const Eigen::Matrix2d W = Eigen::Vector2d(5e3, 8e3).asDiagonal();
     estimator.add(Eigen::Vector2d::Zero(), G, D, W);
     xx += G.transpose() * W * G;
     xb += G.transpose() * W * D;
   }
-  const Eigen::Matrix3d expected = xx.inverse() * xb;
+  const PoseSensitivity expected = xx.inverse() * xb;
   EXPECT_LT((estimator.pose_gain() - expected).norm(), 1e-9 * expected.norm());
 }
 
 TEST(Calibration, ZeroTiltSwitchesItOff) {
   CalibrationEstimator estimator;
-  estimator.reset(0.0, 0.01);
+  estimator.reset({.tilt_rad = 0.0, .focal = 0.01, .principal = 0.01});
   EXPECT_FALSE(estimator.enabled());
   EXPECT_TRUE(estimator.beta().isZero(0.0));
 }
