@@ -16,7 +16,7 @@ struct Parameters {
   int corners_max = 128;
 
   // odometry
-  double distance_noise_per_sqrt_m = 0.002;
+  double distance_noise_per_sqrt_m = 0.001;
   double turn_noise_per_sqrt_m = 0.02;
   double lateral_noise_per_sqrt_m = 0.002;
   double odometry_floor_m = 0.0003;

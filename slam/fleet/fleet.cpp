@@ -34,6 +34,16 @@ bool may_be_one(const Eigen::Matrix2d& P, const LandmarkInfo& own, const Eigen::
   return d.dot(S.inverse() * d) < kDuplicateSigmas * kDuplicateSigmas;
 }
 
+// Of corners that are told apart by their looks alone, two within kOneCorner_m of each other are one
+// once the maps are merged: a detector keeps corners further apart than that.
+constexpr double kOneCorner_m = 0.05;
+
+bool has_partner(const Hypothesis& h, int own_slot, int peer_slot) {
+  return std::any_of(h.pairs.begin(), h.pairs.end(), [&](const LandmarkPair& p) {
+    return p.own_slot == own_slot || p.peer_slot == peer_slot;
+  });
+}
+
 // The index of a free hypothesis, or of the one to give up.
 int give_up_one(const Peer& peer) {
   int place = -1;
@@ -277,6 +287,8 @@ void Fleet::search_duplicates(Peer& peer, const Map& map, Hypothesis& h) {
         transform_covariance(h.T_own_peer, h.covariance, l.xy(), l.covariance_xy());
     const double reach = std::min(kDuplicateSigmas * std::sqrt(P.trace()) + 0.08, 0.4);
     int best_slot = -1;
+    int nearest_slot = -1;
+    double nearest = kOneCorner_m * kOneCorner_m;
     bool any = false;
     float best = kDuplicateNcc;
     for (std::size_t slot = 0; slot < own.size(); ++slot) {
@@ -286,6 +298,12 @@ void Fleet::search_duplicates(Peer& peer, const Map& map, Hypothesis& h) {
       if (dx * dx + dy * dy > 4.0 * reach * reach || o.state != LandmarkState::kPromoted) continue;
       if (std::abs(o.z_m - l.z_m) > 0.3F) continue;
       any = true;
+      const double dz = static_cast<double>(o.z_m - l.z_m);
+      const double apart = dx * dx + dy * dy + dz * dz;
+      if (apart < nearest) {
+        nearest = apart;
+        nearest_slot = static_cast<int>(slot);
+      }
       if (dx * dx + dy * dy > reach * reach || !may_be_one(P, o, {dx, dy})) continue;
       for (int i = o.first_appearance; i >= 0; i = map.appearance(i).next) {
         const Appearance& a = map.appearance(i);
@@ -305,6 +323,9 @@ void Fleet::search_duplicates(Peer& peer, const Map& map, Hypothesis& h) {
       ++peer.swept.hits;
       const std::uint32_t own_id = own[static_cast<std::size_t>(best_slot)].id;
       confirm_pair(h, {best_slot, own_id, slot_of_peer, l.id, 1});
+    } else if (peer.merged && nearest_slot >= 0 && !has_partner(h, nearest_slot, slot_of_peer)) {
+      const std::uint32_t own_id = own[static_cast<std::size_t>(nearest_slot)].id;
+      confirm_pair(h, {nearest_slot, own_id, slot_of_peer, l.id, 1});
     }
     if (peer.sweep == 0) break;  // a walk is over
   }
