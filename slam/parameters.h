@@ -10,7 +10,7 @@ namespace zenith {
 
 struct Parameters {
   // image
-  double rectified_fov_deg = 120.0;
+  double rectified_fov_deg = 112.0;
   double corner_min_eigenvalue = 5.0;
   double corner_min_distance_px = 6.0;
   int corners_max = 128;

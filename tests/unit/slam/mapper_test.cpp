@@ -112,7 +112,7 @@ TEST(Mapper, LandmarksLieWhereTheyAre) {
     // Five of its own sigmas, and a centimetre or two of common drift.
     EXPECT_LT(nearest, 0.03 + 5.0 * std::sqrt(l.covariance().trace())) << "landmark " << l.id;
   }
-  EXPECT_GT(promoted, 80);
+  EXPECT_GT(promoted, 65);  // of some 100 points that came into view
 }
 
 // Everything that a run leaves behind, as bytes: poses, weights, and the rows of all landmarks.

@@ -197,9 +197,12 @@ TEST(Calibration, EstimatorFindsTheTruth) {
   }
   const CalibrationVector error = estimator.beta() - truth;
   const CalibrationMatrix P = estimator.covariance();
-  EXPECT_LT(P(0, 0), 0.05 * before);
+  EXPECT_LT(P(0, 0), 0.2 * before);
   for (const int i : {0, 1, 3, 4}) EXPECT_LT(std::abs(error[i]), 5.0 * std::sqrt(P(i, i))) << i;
-  EXPECT_LT(error.norm(), 6e-4);
+  // Tilt and principal point are nearly the same; their sum is known far better than each.
+  const double sum_variance = P(0, 0) + 2.0 * P(0, 3) + P(3, 3);
+  EXPECT_LT(sum_variance, 0.01 * before);
+  EXPECT_LT(std::abs(error[0] + error[3]), 5.0 * std::sqrt(sum_variance));
 }
 
 // The pose's share of a frame, with beta marginalised out, equals the joint normal equations.
