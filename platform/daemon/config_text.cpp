@@ -38,7 +38,9 @@ constexpr std::array kSections = {
     SectionText{"telemetry", "A local socket with lines of JSON: docs/daemon.md."},
     SectionText{"leds", "What the robot's lights show: drivers/leds/README.md."},
     SectionText{"log", "Lines on the standard error output, for journald or a person."},
-    SectionText{"slam", "The algorithm: docs/algorithm.md. `zenith --parameters` lists the same, `--set` changes them there."},
+    SectionText{"slam",
+                "The algorithm: docs/algorithm.md. `zenith --parameters` lists the same, `--set` "
+                "changes them there."},
     SectionText{"simulation", "For camera.driver and odometry.driver = \"simulated\"."},
 };
 

@@ -34,8 +34,8 @@ bool may_be_one(const Eigen::Matrix2d& P, const LandmarkInfo& own, const Eigen::
   return d.dot(S.inverse() * d) < kDuplicateSigmas * kDuplicateSigmas;
 }
 
-// Of corners that are told apart by their looks alone, two within kOneCorner_m of each other are one
-// once the maps are merged: a detector keeps corners further apart than that.
+// Of corners that are told apart by their looks alone, two within kOneCorner_m of each other are
+// one once the maps are merged: a detector keeps corners further apart than that.
 constexpr double kOneCorner_m = 0.05;
 
 bool has_partner(const Hypothesis& h, int own_slot, int peer_slot) {

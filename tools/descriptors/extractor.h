@@ -1,8 +1,8 @@
 #pragma once
 // A FeatureExtractor in memory of its own.
 
-#include "slam/features.h"
 #include "platform/base/memory_block.h"
+#include "slam/features.h"
 
 namespace zenith::tools {
 

@@ -8,10 +8,10 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "platform/base/memory_block.h"
 #include "platform/base/random.h"
 #include "slam/image/corners.h"
 #include "tools/descriptors/looks.h"
-#include "platform/base/memory_block.h"
 
 namespace zenith::tools {
 namespace {

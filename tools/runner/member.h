@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "platform/base/memory_block.h"
 #include "platform/base/result.h"
 #include "slam/slam.h"
 #include "tools/runner/dead_reckoning.h"
-#include "platform/base/memory_block.h"
 #include "tools/runner/run_log.h"
 #include "tools/runner/source.h"
 
