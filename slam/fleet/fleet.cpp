@@ -112,6 +112,7 @@ void Fleet::put_to_test(Peer& peer, int hypothesis) {
 
 void Fleet::update(const ObservedFrame& frame, const Map& map, const Pose2& T_own_robot,
                    double travelled_m) {
+  travelled_m_ = travelled_m;
   schedule(travelled_m);
   // One search a frame: the work of a frame does not grow with the number of peers.
   for (Peer& peer : peers_) {
@@ -166,7 +167,7 @@ void Fleet::judge_offer(Peer& peer) {
   Hypothesis& h = peer.hypotheses[index];
   const bool right = peer.swept.hits >= decision_.min_pairs &&
                      peer.swept.hits > decision_.map_hit_share * peer.swept.expected &&
-                     !own_map_repeats(h);
+                     travelled_m_ >= decision_.min_way_m && !own_map_repeats(h);
   peer.offered = -1;
   peer.swept = {};
   if (!right) {
@@ -251,7 +252,7 @@ void Fleet::decide(Peer& peer, const Pose2& T_own_robot) {
   const DecisionSettings& d = decision_;
   if (!peer.merged) {
     const bool ready = leader.confidence.value() > d.confidence && leader.score() > d.score &&
-                       leader.searches >= d.min_searches &&
+                       leader.searches >= d.min_searches && travelled_m_ >= d.min_way_m &&
                        static_cast<int>(leader.pairs.size()) >= d.min_pairs &&
                        rival_score < d.rival_share * leader.score() && !own_map_repeats(leader);
     if (ready && peer.offered < 0) put_to_test(peer, peer.leader);

@@ -23,6 +23,7 @@ struct DecisionSettings {
   double score = 80.0;       // log odds, see Hypothesis::score()
   double rival_share = 0.5;  // a rival with this share of the leader's score: ambiguous
   int min_searches = 4;
+  double min_way_m = 5.0;  // driven by this robot: a small map cannot show that it repeats itself
   int min_pairs = 15;
   double withdraw_share = 0.3;    // of the expected landmarks found: no better than a wrong one
   double beaten_hit_share = 0.5;  // enough against the leader when a rival could be merged
@@ -98,6 +99,7 @@ class Fleet {
   DecisionSettings decision_;
   double search_distance_m_ = 0.2;
   double searched_at_m_ = -1e9;
+  double travelled_m_ = 0.0;
   HoughSearch hough_;
   std::span<Peer> peers_;  // kMaxPeers, and the robot itself behind them
   std::span<OverlapMatches> matches_;
