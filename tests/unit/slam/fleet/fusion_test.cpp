@@ -105,6 +105,7 @@ struct Scene {
   Fleet fleet;
   ArenaBlock block{[this](Arena& arena) { fleet.layout(arena); }};
   Pose2 T_peer_world = {3.0, -2.0, 1.1};
+  double driven_m = 10.0;
   std::array<FusedLandmark, 256> out;
 
   explicit Scene(std::uint64_t seed) : random(seed), world(sparse_world(random, 90)) {
@@ -120,10 +121,21 @@ struct Scene {
     return !fleet.alignments().empty() && fleet.alignments()[0].state == AlignmentState::kMerged;
   }
   void offer(const Pose2& T_own_peer) {
+    fleet.update(ObservedFrame{}, own.map, Pose2{}, driven_m);
     fleet.offer_alignment(2, T_own_peer);
     for (int i = 0; i < 20; ++i) fleet.rest(own.map);
   }
 };
+
+// A small map cannot show yet that it repeats itself: before 5 m of way even the truth is not
+// believed.
+TEST(Fusion, NoMergeAfterAShortWay) {
+  const TestSeed seed;
+  const auto scene = std::make_unique<Scene>(seed.value());
+  scene->driven_m = 3.0;
+  scene->offer(scene->T_peer_world.inverse());
+  EXPECT_FALSE(scene->merged());
+}
 
 TEST(Fusion, WithoutAMergeTheMapIsOnesOwn) {
   const TestSeed seed;
