@@ -18,8 +18,15 @@ constexpr double kSettledRadius_px = 2.5;
 constexpr int kEnoughToSteer = 15;
 // A wheel that slips between two frames: forward, left, turn.
 const Eigen::Vector3d kSlip(0.02, 0.01, 2.0 * std::numbers::pi / 180.0);
-constexpr double kDegrees = 4.0;         // of freedom, of a match's error as Student's t
 constexpr double kSlipDistance2 = 20.0;  // chi squared, 3 degrees of freedom: 1 in 6000
+constexpr double kDegrees = 4.0;         // of freedom, of a match's error as Student's t
+
+// Of a match from its prediction at the corrected pose, in squared sigmas.
+double squared_distance(const Candidate& c, const Feature& f, const PoseCorrection& correction) {
+  const Eigen::Vector2d d = Eigen::Vector2d(f.zx, f.zy) - c.m - c.G * correction.xi;
+  const Eigen::Matrix2d S = c.own + c.G * correction.covariance * c.G.transpose();
+  return d.dot(S.inverse() * d);
+}
 
 }  // namespace
 
@@ -133,9 +140,7 @@ void Mapper::associate(const Features& features) {
   for (Candidate& c : candidates) {
     if (c.promoted || c.corner < 0) continue;
     const Feature& f = feats[static_cast<std::size_t>(c.corner)];
-    const Eigen::Vector2d d = Eigen::Vector2d(f.zx, f.zy) - c.m - c.G * correction_.xi;
-    const Eigen::Matrix2d S = c.own + c.G * correction_.covariance * c.G.transpose();
-    c.inlier = d.dot(S.inverse() * d) < p_.gate_sigma * p_.gate_sigma;
+    c.inlier = squared_distance(c, f, correction_) < p_.gate_sigma * p_.gate_sigma;
   }
 }
 
@@ -147,9 +152,7 @@ void Mapper::trust_matches(const Features& features) {
   for (Candidate& c : candidates_[0]) {
     if (!c.inlier) continue;
     const Feature& f = features[static_cast<std::size_t>(c.corner)];
-    const Eigen::Vector2d d = Eigen::Vector2d(f.zx, f.zy) - c.m - c.G * correction_.xi;
-    const Eigen::Matrix2d S = c.own + c.G * correction_.covariance * c.G.transpose();
-    const double d2 = d.dot(S.inverse() * d);
+    const double d2 = squared_distance(c, f, correction_);
     c.misfit = 0.5 * d2;
     const double lasting = std::max(1.0, static_cast<double>(map_->info(c.slot).misfit));
     const double once = std::max(1.0, (kDegrees + d2 / lasting) / (kDegrees + 2.0));

@@ -320,13 +320,13 @@ void Fleet::search_duplicates(Peer& peer, const Map& map, Hypothesis& h) {
       }
     }
     peer.swept.expected += any ? 1 : 0;
+    peer.swept.hits += best_slot >= 0 ? 1 : 0;
+    const bool one_corner =
+        peer.merged && nearest_slot >= 0 && !has_partner(h, nearest_slot, slot_of_peer);
+    if (best_slot < 0 && one_corner) best_slot = nearest_slot;
     if (best_slot >= 0) {
-      ++peer.swept.hits;
       const std::uint32_t own_id = own[static_cast<std::size_t>(best_slot)].id;
       confirm_pair(h, {best_slot, own_id, slot_of_peer, l.id, 1});
-    } else if (peer.merged && nearest_slot >= 0 && !has_partner(h, nearest_slot, slot_of_peer)) {
-      const std::uint32_t own_id = own[static_cast<std::size_t>(nearest_slot)].id;
-      confirm_pair(h, {nearest_slot, own_id, slot_of_peer, l.id, 1});
     }
     if (peer.sweep == 0) break;  // a walk is over
   }
