@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "platform/base/result.h"
+#include "platform/recording/recording.h"
 #include "slam/parameters.h"
-#include "tools/recording/recording.h"
 #include "tools/report/figures.h"
 
 namespace zenith::tools {

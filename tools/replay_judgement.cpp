@@ -9,10 +9,10 @@
 
 #include <nlohmann/json.hpp>
 
-#include "tools/recording/ground_truth.h"
-#include "tools/recording/recording.h"
-#include "tools/recording/seconds.h"
-#include "tools/recording/text_file.h"
+#include "platform/recording/ground_truth.h"
+#include "platform/recording/recording.h"
+#include "platform/recording/seconds.h"
+#include "platform/recording/text_file.h"
 #include "tools/runner/dead_reckoning.h"
 
 namespace zenith::tools {

@@ -8,9 +8,9 @@
 #include <nlohmann/json.hpp>
 
 #include "platform/config/words.h"
+#include "platform/recording/writer.h"
 #include "sim/simulation.h"
 #include "tools/atomic_output.h"
-#include "tools/recording/writer.h"
 
 namespace zenith::tools {
 namespace {

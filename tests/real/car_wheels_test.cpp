@@ -11,10 +11,10 @@
 #include "drivers/odometry/dbc.h"
 #include "drivers/odometry/dbc_signal.h"
 #include "drivers/odometry/wheel_codec_config.h"
+#include "platform/recording/candump.h"
+#include "platform/recording/wheel_log.h"
 #include "tests/support/figure.h"
 #include "tests/support/real_data.h"
-#include "tools/recording/candump.h"
-#include "tools/recording/wheel_log.h"
 
 namespace zenith::tools {
 namespace {

@@ -25,6 +25,7 @@ enum class Room {
   kDrivers,
   kLinux,
   kConfig,
+  kRecording,
   kDaemon,
   kDaemonSimulated,  // its devices that come from the simulator
   kSim,
@@ -38,7 +39,7 @@ Room room_of(std::string_view path) {
     std::string_view prefix;
     Room room;
   };
-  static constexpr std::array<Entry, 19> kRooms = {{
+  static constexpr std::array<Entry, 20> kRooms = {{
       {"platform/base/", Room::kBase},
       {"slam/image/", Room::kSlamImage},
       {"slam/filter/", Room::kSlamFilter},
@@ -53,6 +54,7 @@ Room room_of(std::string_view path) {
       {"drivers/", Room::kDrivers},
       {"platform/linux/", Room::kLinux},
       {"platform/config/", Room::kConfig},
+      {"platform/recording/", Room::kRecording},
       {"platform/daemon/simulated/", Room::kDaemonSimulated},
       {"platform/daemon/", Room::kDaemon},
       {"sim/", Room::kSim},
@@ -126,6 +128,16 @@ Broken check_config_include(const std::string& path) {
   return "platform/config includes platform/base, plain types of slam and the codecs' table alone";
 }
 
+Broken check_recording_include(const std::string& path) {
+  const Room to = room_of(path);
+  if (to == Room::kBase || to == Room::kConfig || to == Room::kRecording ||
+      is_plain_slam_type(path) || starts_with(path, "drivers/odometry/")) {
+    return {};
+  }
+  return "platform/recording includes platform/base, platform/config, plain types of slam and "
+         "drivers/odometry alone";
+}
+
 Broken check_project_include(const std::string& file, const std::string& path) {
   const Room from = room_of(file);
   const Room to = room_of(path);
@@ -136,6 +148,9 @@ Broken check_project_include(const std::string& file, const std::string& path) {
   if (to == Room::kSim && from != Room::kSim && from != Room::kTools &&
       from != Room::kDaemonSimulated) {
     return "only sim, tools, platform/daemon/simulated and tests include sim";
+  }
+  if (to == Room::kRecording && (from == Room::kDaemon || from == Room::kSim)) {
+    return "zenithd reads no recordings: its lean link has no PNG and no YAML";
   }
   if (is_daemon(to) && !is_daemon(from)) {
     return "nothing includes platform/daemon but itself and tests";
@@ -149,6 +164,7 @@ Broken check_project_include(const std::string& file, const std::string& path) {
   }
   if (is_slam(from)) return check_slam_include(from, to);
   if (from == Room::kDrivers) return check_driver_include(file, path);
+  if (from == Room::kRecording) return check_recording_include(path);
   if (from == Room::kConfig) return check_config_include(path);
   if (from == Room::kLinux) {
     if (to == Room::kBase || to == Room::kLinux || is_plain_slam_type(path)) return {};

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <unordered_map>
 
+#include "platform/recording/recording.h"
 #include "slam/mapper.h"
 #include "tools/descriptors/extractor.h"
 #include "tools/descriptors/looks.h"
-#include "tools/recording/recording.h"
 
 namespace zenith::tools {
 namespace {

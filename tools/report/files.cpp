@@ -5,8 +5,8 @@
 #include <cstdio>
 #include <fstream>
 
-#include "tools/recording/ground_truth.h"
-#include "tools/recording/seconds.h"
+#include "platform/recording/ground_truth.h"
+#include "platform/recording/seconds.h"
 #include "tools/report/figures_text.h"
 
 namespace zenith::tools {

@@ -5,14 +5,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "platform/recording/candump.h"
+#include "platform/recording/layout.h"
+#include "platform/recording/robot_file.h"
+#include "platform/recording/wheel_log.h"
 #include "sim/view_angle.h"
 #include "tests/support/wheel_bases.h"
 #include "tests/unit/tools/temporary_folder.h"
 #include "tools/atomic_output.h"
-#include "tools/recording/candump.h"
-#include "tools/recording/layout.h"
-#include "tools/recording/robot_file.h"
-#include "tools/recording/wheel_log.h"
 #include "tools/replay_judgement.h"
 #include "tools/runner/simulated_source.h"
 #include "tools/runner/team_run.h"

@@ -2,9 +2,9 @@
 #include <gtest/gtest.h>
 #include <opencv2/imgcodecs.hpp>
 
+#include "platform/recording/ground_truth.h"
 #include "tests/unit/tools/synthetic_log.h"
 #include "tests/unit/tools/temporary_folder.h"
-#include "tools/recording/ground_truth.h"
 #include "tools/report/confidence_picture.h"
 #include "tools/report/figures_text.h"
 #include "tools/report/files.h"

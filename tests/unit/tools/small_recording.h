@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "drivers/odometry/agilex_v2.h"
-#include "tools/recording/writer.h"
+#include "platform/recording/writer.h"
 
 namespace zenith::tools {
 

@@ -8,10 +8,10 @@
 
 #include "drivers/odometry/can_frame.h"
 #include "platform/base/result.h"
+#include "platform/recording/robot_file.h"
 #include "slam/geometry.h"
 #include "slam/image/image.h"
 #include "slam/robot.h"
-#include "tools/recording/robot_file.h"
 
 namespace zenith::tools {
 

@@ -1,12 +1,12 @@
-#include "tools/recording/recording.h"
+#include "platform/recording/recording.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "platform/recording/layout.h"
+#include "platform/recording/sensor_file.h"
 #include "tests/unit/tools/small_recording.h"
 #include "tests/unit/tools/temporary_folder.h"
-#include "tools/recording/layout.h"
-#include "tools/recording/sensor_file.h"
 
 namespace zenith::tools {
 namespace {

@@ -10,8 +10,8 @@
 
 #include "drivers/odometry/wheel_decoder.h"
 #include "platform/base/result.h"
+#include "platform/recording/frame_list.h"
 #include "slam/wheels.h"
-#include "tools/recording/frame_list.h"
 
 namespace zenith::tools {
 

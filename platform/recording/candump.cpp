@@ -1,10 +1,10 @@
-#include "tools/recording/candump.h"
+#include "platform/recording/candump.h"
 
 #include <charconv>
 #include <cstdio>
 #include <optional>
 
-#include "tools/recording/seconds.h"
+#include "platform/recording/seconds.h"
 
 namespace zenith::tools {
 namespace {

@@ -1,12 +1,12 @@
-#include "tools/recording/ground_truth.h"
+#include "platform/recording/ground_truth.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <sstream>
 
-#include "tools/recording/seconds.h"
-#include "tools/recording/text_file.h"
+#include "platform/recording/seconds.h"
+#include "platform/recording/text_file.h"
 
 namespace zenith::tools {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/recording/png.h"
+#include "platform/recording/png.h"
 
 #include <spng.h>
 

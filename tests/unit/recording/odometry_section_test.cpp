@@ -1,17 +1,17 @@
 // The section [odometry] of robot.toml, and recordings of every base that it can describe.
 
-#include "tools/recording/odometry_section.h"
+#include "platform/recording/odometry_section.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "platform/config/robot_settings.h"
+#include "platform/recording/candump.h"
+#include "platform/recording/layout.h"
+#include "platform/recording/recording.h"
 #include "tests/support/wheel_bases.h"
 #include "tests/unit/tools/small_recording.h"
 #include "tests/unit/tools/temporary_folder.h"
-#include "tools/recording/candump.h"
-#include "tools/recording/layout.h"
-#include "tools/recording/recording.h"
 
 namespace zenith::tools {
 namespace {

@@ -1,8 +1,8 @@
-#include "tools/recording/candump.h"
+#include "platform/recording/candump.h"
 
 #include <gtest/gtest.h>
 
-#include "tools/recording/seconds.h"
+#include "platform/recording/seconds.h"
 
 namespace zenith::tools {
 namespace {

@@ -1,9 +1,9 @@
-#include "tools/recording/recording.h"
+#include "platform/recording/recording.h"
 
-#include "tools/recording/layout.h"
-#include "tools/recording/png.h"
-#include "tools/recording/sensor_file.h"
-#include "tools/recording/wheel_log.h"
+#include "platform/recording/layout.h"
+#include "platform/recording/png.h"
+#include "platform/recording/sensor_file.h"
+#include "platform/recording/wheel_log.h"
 
 namespace zenith::tools {
 namespace {

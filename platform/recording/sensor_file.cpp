@@ -1,4 +1,4 @@
-#include "tools/recording/sensor_file.h"
+#include "platform/recording/sensor_file.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,11 +1,11 @@
-#include "tools/recording/wheel_log.h"
+#include "platform/recording/wheel_log.h"
 
 #include <algorithm>
 #include <cstdio>
 
-#include "tools/recording/candump.h"
-#include "tools/recording/seconds.h"
-#include "tools/recording/text_file.h"
+#include "platform/recording/candump.h"
+#include "platform/recording/seconds.h"
+#include "platform/recording/text_file.h"
 
 namespace zenith::tools {
 namespace {

@@ -1,12 +1,12 @@
-#include "tools/recording/writer.h"
+#include "platform/recording/writer.h"
 
 #include <utility>
 
-#include "tools/recording/candump.h"
-#include "tools/recording/ground_truth.h"
-#include "tools/recording/layout.h"
-#include "tools/recording/png.h"
-#include "tools/recording/sensor_file.h"
+#include "platform/recording/candump.h"
+#include "platform/recording/ground_truth.h"
+#include "platform/recording/layout.h"
+#include "platform/recording/png.h"
+#include "platform/recording/sensor_file.h"
 
 namespace zenith::tools {
 namespace {

@@ -1,10 +1,10 @@
-#include "tools/recording/robot_file.h"
+#include "platform/recording/robot_file.h"
 
 #include <cstdio>
 #include <utility>
 
 #include "platform/config/robot_settings.h"
-#include "tools/recording/odometry_section.h"
+#include "platform/recording/odometry_section.h"
 
 namespace zenith::tools {
 namespace {

@@ -1,10 +1,10 @@
-#include "tools/recording/frame_list.h"
+#include "platform/recording/frame_list.h"
 
 #include <charconv>
 #include <optional>
 #include <string_view>
 
-#include "tools/recording/text_file.h"
+#include "platform/recording/text_file.h"
 
 namespace zenith::tools {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/recording/odometry_section.h"
+#include "platform/recording/odometry_section.h"
 
 #include "platform/config/robot_settings.h"
 

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "platform/base/result.h"
-#include "tools/recording/frame_list.h"
-#include "tools/recording/ground_truth.h"
-#include "tools/recording/robot_file.h"
+#include "platform/recording/frame_list.h"
+#include "platform/recording/ground_truth.h"
+#include "platform/recording/robot_file.h"
 #include "tools/runner/source.h"
 #include "tools/runner/wheel_queue.h"
 
