@@ -6,7 +6,7 @@
 
 #include "platform/recording/seconds.h"
 
-namespace zenith::tools {
+namespace zenith {
 namespace {
 
 constexpr std::uint32_t kErrorFlag = 0x20000000;
@@ -84,4 +84,4 @@ std::string format_candump(const CanFrame& frame, std::string_view interface) {
   return line;
 }
 
-}  // namespace zenith::tools
+}  // namespace zenith

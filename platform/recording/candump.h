@@ -10,7 +10,7 @@
 
 #include "drivers/odometry/can_frame.h"
 
-namespace zenith::tools {
+namespace zenith {
 
 enum class CandumpLine {
   kFrame,  // a classic data frame: `frame` and `interface` are filled
@@ -24,4 +24,4 @@ CandumpLine parse_candump(std::string_view line, CanFrame& frame, std::string_vi
 // Without the newline.
 std::string format_candump(const CanFrame& frame, std::string_view interface);
 
-}  // namespace zenith::tools
+}  // namespace zenith

@@ -6,7 +6,7 @@
 
 #include "platform/recording/text_file.h"
 
-namespace zenith::tools {
+namespace zenith {
 namespace {
 
 std::string_view trim(std::string_view text) {
@@ -57,4 +57,4 @@ Result<std::vector<ListedFrame>> read_frame_list(const std::filesystem::path& pa
   return frames;
 }
 
-}  // namespace zenith::tools
+}  // namespace zenith

@@ -8,7 +8,7 @@
 #include "platform/base/result.h"
 #include "platform/base/time.h"
 
-namespace zenith::tools {
+namespace zenith {
 
 struct ListedFrame {
   Time stamp;
@@ -19,4 +19,4 @@ struct ListedFrame {
 // Stamps rise strictly; there is at least one frame. Whether the files exist is not looked at.
 Result<std::vector<ListedFrame>> read_frame_list(const std::filesystem::path& path);
 
-}  // namespace zenith::tools
+}  // namespace zenith

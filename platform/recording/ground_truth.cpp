@@ -8,7 +8,7 @@
 #include "platform/recording/seconds.h"
 #include "platform/recording/text_file.h"
 
-namespace zenith::tools {
+namespace zenith {
 namespace {
 
 std::optional<StampedPose> parse_tum(const std::string& line) {
@@ -72,4 +72,4 @@ std::optional<Pose2> pose_at(const std::vector<StampedPose>& poses, Time stamp) 
                a.pose.y_m + s * (b.pose.y_m - a.pose.y_m), wrap_angle(a.pose.theta_rad + s * turn)};
 }
 
-}  // namespace zenith::tools
+}  // namespace zenith

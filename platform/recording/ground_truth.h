@@ -10,7 +10,7 @@
 #include "platform/base/time.h"
 #include "slam/geometry.h"
 
-namespace zenith::tools {
+namespace zenith {
 
 struct StampedPose {
   Time stamp;
@@ -26,4 +26,4 @@ std::string format_tum(const StampedPose& pose);
 // Interpolated between two poses that are at most half a second apart; else empty.
 std::optional<Pose2> pose_at(const std::vector<StampedPose>& poses, Time stamp);
 
-}  // namespace zenith::tools
+}  // namespace zenith

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-namespace zenith::tools::layout {
+namespace zenith::layout {
 
 using std::filesystem::path;
 
@@ -30,4 +30,4 @@ inline path ground_truth(const path& folder) {
   return folder / "groundtruth.tum";
 }
 
-}  // namespace zenith::tools::layout
+}  // namespace zenith::layout

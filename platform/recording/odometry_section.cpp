@@ -2,7 +2,7 @@
 
 #include "platform/config/robot_settings.h"
 
-namespace zenith::tools {
+namespace zenith {
 
 std::string format_odometry(WheelCodecConfig config) {
   WheelCodecConfig defaults;
@@ -22,4 +22,4 @@ std::string format_odometry(WheelCodecConfig config) {
   return text;
 }
 
-}  // namespace zenith::tools
+}  // namespace zenith

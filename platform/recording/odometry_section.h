@@ -5,10 +5,10 @@
 
 #include "drivers/odometry/wheel_codec_config.h"
 
-namespace zenith::tools {
+namespace zenith {
 
 // The keys after `codec` and `can_interface`: all of the codec's own section, and of the others
 // those that differ from their defaults.
 std::string format_odometry(WheelCodecConfig config);
 
-}  // namespace zenith::tools
+}  // namespace zenith

@@ -7,7 +7,7 @@
 #include <memory>
 #include <string>
 
-namespace zenith::tools {
+namespace zenith {
 namespace {
 
 struct Close {
@@ -80,4 +80,4 @@ Status write_grey_png(const std::filesystem::path& path, ImageView image) {
   return {};
 }
 
-}  // namespace zenith::tools
+}  // namespace zenith

@@ -8,7 +8,7 @@
 #include "platform/base/result.h"
 #include "slam/image/image.h"
 
-namespace zenith::tools {
+namespace zenith {
 
 // Into `pixels`, width * height bytes. Anything but a whole 8-bit grey image of this size is an
 // error that names the file.
@@ -17,4 +17,4 @@ Status read_grey_png(const std::filesystem::path& path, int width, int height,
 
 Status write_grey_png(const std::filesystem::path& path, ImageView image);
 
-}  // namespace zenith::tools
+}  // namespace zenith

@@ -5,7 +5,7 @@
 #include "platform/recording/sensor_file.h"
 #include "platform/recording/wheel_log.h"
 
-namespace zenith::tools {
+namespace zenith {
 namespace {
 
 namespace fs = std::filesystem;
@@ -127,4 +127,4 @@ std::vector<std::string> Recording::warnings() const {
   return all;
 }
 
-}  // namespace zenith::tools
+}  // namespace zenith

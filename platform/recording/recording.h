@@ -10,10 +10,10 @@
 #include "platform/recording/frame_list.h"
 #include "platform/recording/ground_truth.h"
 #include "platform/recording/robot_file.h"
-#include "tools/runner/source.h"
-#include "tools/runner/wheel_queue.h"
+#include "platform/recording/source.h"
+#include "platform/recording/wheel_queue.h"
 
-namespace zenith::tools {
+namespace zenith {
 
 struct ReadOptions {
   double max_odometry_gap_s = 0.5;  // longer holes while frames go on are told
@@ -58,4 +58,4 @@ class Recording : public Source {
   std::string first_skipped_;
 };
 
-}  // namespace zenith::tools
+}  // namespace zenith

@@ -6,7 +6,7 @@
 #include "platform/config/robot_settings.h"
 #include "platform/recording/odometry_section.h"
 
-namespace zenith::tools {
+namespace zenith {
 namespace {
 
 Settings settings_of(RobotFile& robot) {
@@ -67,4 +67,4 @@ std::string format_robot_file(const RobotFile& robot) {
   return text + format_odometry(robot.odometry);
 }
 
-}  // namespace zenith::tools
+}  // namespace zenith

@@ -10,7 +10,7 @@
 #include "platform/base/result.h"
 #include "slam/robot.h"
 
-namespace zenith::tools {
+namespace zenith {
 
 struct RobotFile {
   Wheels wheels;
@@ -24,4 +24,4 @@ Result<RobotFile> read_robot_file(const std::filesystem::path& path);
 // The annotated text of the file.
 std::string format_robot_file(const RobotFile& robot);
 
-}  // namespace zenith::tools
+}  // namespace zenith

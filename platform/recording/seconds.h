@@ -10,7 +10,7 @@
 
 #include "platform/base/time.h"
 
-namespace zenith::tools {
+namespace zenith {
 
 // "12", "12.5", "1436509052.249713": digits, and up to nine decimals are used.
 inline std::optional<Time> parse_seconds(std::string_view text) {
@@ -36,4 +36,4 @@ inline std::string format_seconds(Time time) {
   return text;
 }
 
-}  // namespace zenith::tools
+}  // namespace zenith

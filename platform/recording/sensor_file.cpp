@@ -11,7 +11,7 @@
 #include "platform/config/problems.h"
 #include "platform/config/robot_settings.h"
 
-namespace zenith::tools {
+namespace zenith {
 namespace {
 
 int line_of(const YAML::Node& node) {
@@ -182,4 +182,4 @@ std::string format_sensor_file(const SensorFile& sensor) {
   return text;
 }
 
-}  // namespace zenith::tools
+}  // namespace zenith

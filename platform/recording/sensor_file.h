@@ -10,7 +10,7 @@
 #include "platform/base/result.h"
 #include "slam/robot.h"
 
-namespace zenith::tools {
+namespace zenith {
 
 struct SensorFile {
   Lens lens;
@@ -25,4 +25,4 @@ std::string format_sensor_file(const SensorFile& sensor);
 Eigen::Matrix4d mount_matrix(const CameraMount& mount);
 CameraMount mount_of_matrix(const Eigen::Matrix4d& T_base_camera);
 
-}  // namespace zenith::tools
+}  // namespace zenith

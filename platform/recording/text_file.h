@@ -8,7 +8,7 @@
 
 #include "platform/base/result.h"
 
-namespace zenith::tools {
+namespace zenith {
 
 class TextFile {
  public:
@@ -42,4 +42,4 @@ class TextFile {
   std::size_t number_ = 0;
 };
 
-}  // namespace zenith::tools
+}  // namespace zenith

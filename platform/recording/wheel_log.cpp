@@ -7,7 +7,7 @@
 #include "platform/recording/seconds.h"
 #include "platform/recording/text_file.h"
 
-namespace zenith::tools {
+namespace zenith {
 namespace {
 
 void decode_line(const CanFrame& frame, WheelDecoder& decoder, WheelLog& log) {
@@ -139,4 +139,4 @@ Result<std::vector<std::string>> describe_gaps(const WheelLog& log,
   return lines;
 }
 
-}  // namespace zenith::tools
+}  // namespace zenith

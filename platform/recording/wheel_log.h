@@ -13,7 +13,7 @@
 #include "platform/recording/frame_list.h"
 #include "slam/wheels.h"
 
-namespace zenith::tools {
+namespace zenith {
 
 struct WheelLog {
   std::vector<WheelSample> samples;  // stamps rise strictly
@@ -39,4 +39,4 @@ Result<std::vector<std::string>> describe_gaps(const WheelLog& log,
                                                const std::vector<ListedFrame>& frames,
                                                const std::filesystem::path& path, double max_gap_s);
 
-}  // namespace zenith::tools
+}  // namespace zenith

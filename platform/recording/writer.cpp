@@ -8,7 +8,7 @@
 #include "platform/recording/png.h"
 #include "platform/recording/sensor_file.h"
 
-namespace zenith::tools {
+namespace zenith {
 namespace {
 
 Status write_text(const std::filesystem::path& path, const std::string& text) {
@@ -69,4 +69,4 @@ Status RecordingWriter::finish() {
   return Error{folder_.string() + ": cannot be written whole: is the disk full?"};
 }
 
-}  // namespace zenith::tools
+}  // namespace zenith

@@ -13,7 +13,7 @@
 #include "slam/image/image.h"
 #include "slam/robot.h"
 
-namespace zenith::tools {
+namespace zenith {
 
 class RecordingWriter {
  public:
@@ -39,4 +39,4 @@ class RecordingWriter {
   std::ofstream truth_;
 };
 
-}  // namespace zenith::tools
+}  // namespace zenith

@@ -9,10 +9,10 @@
 
 #include "platform/base/memory_block.h"
 #include "platform/base/result.h"
+#include "platform/recording/source.h"
 #include "slam/slam.h"
 #include "tools/runner/dead_reckoning.h"
 #include "tools/runner/run_log.h"
-#include "tools/runner/source.h"
 
 namespace zenith::tools {
 

@@ -3,9 +3,9 @@
 #include <utility>
 
 #include "drivers/odometry/wheel_decoder.h"
+#include "platform/recording/wheel_queue.h"
 #include "sim/simulation.h"
 #include "sim/view_angle.h"
-#include "tools/runner/wheel_queue.h"
 
 namespace zenith::tools {
 namespace {

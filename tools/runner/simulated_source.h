@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "platform/base/result.h"
+#include "platform/recording/source.h"
 #include "slam/parameters.h"
-#include "tools/runner/source.h"
 
 namespace zenith::tools {
 

@@ -8,9 +8,9 @@
 #include <span>
 
 #include "platform/base/result.h"
+#include "platform/recording/source.h"
 #include "slam/parameters.h"
 #include "tools/runner/run_log.h"
-#include "tools/runner/source.h"
 
 namespace zenith::tools {
 

@@ -13,7 +13,7 @@
 #include "slam/robot.h"
 #include "slam/wheels.h"
 
-namespace zenith::tools {
+namespace zenith {
 
 struct SourceFrame {
   Time stamp;
@@ -37,4 +37,4 @@ class Source {
   virtual Result<bool> next(SourceFrame& frame) = 0;
 };
 
-}  // namespace zenith::tools
+}  // namespace zenith

@@ -8,7 +8,7 @@
 
 #include "slam/wheels.h"
 
-namespace zenith::tools {
+namespace zenith {
 
 class WheelQueue {
  public:
@@ -33,4 +33,4 @@ class WheelQueue {
   std::deque<WheelSample> waiting_;
 };
 
-}  // namespace zenith::tools
+}  // namespace zenith
