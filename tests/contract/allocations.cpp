@@ -8,6 +8,7 @@
 namespace {
 
 std::atomic<std::uint64_t> g_count = 0;
+thread_local std::uint64_t t_count = 0;
 
 }  // namespace
 
@@ -17,11 +18,16 @@ std::uint64_t allocation_count() {
   return g_count.load();
 }
 
+std::uint64_t thread_allocation_count() {
+  return t_count;
+}
+
 }  // namespace zenith
 
 // The others that are used (arrays, nothrow) call these.
 void* operator new(std::size_t bytes) {
   ++g_count;
+  ++t_count;
   if (void* memory = std::malloc(bytes != 0 ? bytes : 1)) return memory;
   std::abort();
 }

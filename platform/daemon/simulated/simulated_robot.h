@@ -13,9 +13,9 @@
 #include <string>
 #include <vector>
 
+#include "drivers/camera/simulated_camera.h"
 #include "drivers/odometry/simulated_can.h"
 #include "platform/daemon/devices.h"
-#include "platform/daemon/simulated/simulated_camera.h"
 #include "platform/linux/spsc_queue.h"
 #include "platform/linux/thread.h"
 #include "sim/simulation.h"

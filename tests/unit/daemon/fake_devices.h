@@ -7,10 +7,10 @@
 #include <thread>
 #include <vector>
 
+#include "drivers/camera/simulated_camera.h"
 #include "drivers/odometry/agilex_v2.h"
 #include "drivers/odometry/simulated_can.h"
 #include "platform/daemon/devices.h"
-#include "platform/daemon/simulated/simulated_camera.h"
 #include "platform/linux/clock.h"
 #include "slam/image/lens.h"
 

@@ -1,4 +1,4 @@
-#include "platform/daemon/simulated/simulated_camera.h"
+#include "drivers/camera/simulated_camera.h"
 
 #include <sys/eventfd.h>
 #include <unistd.h>

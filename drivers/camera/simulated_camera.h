@@ -1,6 +1,6 @@
 #pragma once
-// A camera in memory: a simulated robot's thread delivers frames, the perception thread waits for
-// them in the kernel, as it would for a real camera's.
+// A camera in memory: the thread of a simulated robot or of a recording delivers frames, the
+// perception thread waits for them in the kernel, as it would for a real camera's.
 //
 // Frames lie in kBuffers buffers, as in a driver; when none is free a frame is lost, and its number
 // with it.
