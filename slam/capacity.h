@@ -50,6 +50,22 @@ inline constexpr int kPublishedAppearances = 8;
 inline constexpr int kMaxHypotheses = 16;
 inline constexpr int kMaxCorrespondences = 1024;
 
+// Robots that this one exchanges maps with at the same time: a fleet of 64.
+inline constexpr int kMaxSessions = 63;
+
+// Peers' maps that are followed: one of each robot in the fleet, and one old map of each.
+inline constexpr int kMaxReplicas = 2 * kMaxSessions;
+
+// Own records that can be asked for: all landmarks, and removals that peers may not know yet.
+inline constexpr int kMaxOwnRecords = kMaxLandmarks + kMaxRemovals;
+
+// Records of all peers together that are followed by id and revision: 1024 of each robot in a fleet
+// of 64. One robot may have as many as the own map has.
+inline constexpr int kMaxForeignRecords = 65536;
+inline constexpr int kMaxRecordsOfPeer = kMaxOwnRecords;
+
+static_assert(kMaxForeignRecords >= 1024 * kMaxSessions);
+static_assert(kMaxForeignRecords >= kMaxPeers * kMaxRecordsOfPeer, "as many as the core keeps");
 static_assert(kPublishedAppearances <= kMaxAppearances);
 static_assert(kAppearancePool >= kMaxLandmarks, "every landmark has at least one look");
 static_assert(kMaxParticles % kRowAlign == 0);

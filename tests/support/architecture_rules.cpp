@@ -21,7 +21,8 @@ enum class Room {
   kSlamFilter,
   kSlamMap,
   kSlamFleet,
-  kSlamWhole,  // all else right in slam/: the step, which calls the stages
+  kSlamExchange,  // peers' records over the network; the step does not know it
+  kSlamWhole,     // all else right in slam/: the step, which calls the stages
   kDrivers,
   kLinux,
   kConfig,
@@ -39,12 +40,13 @@ Room room_of(std::string_view path) {
     std::string_view prefix;
     Room room;
   };
-  static constexpr std::array<Entry, 20> kRooms = {{
+  static constexpr std::array<Entry, 21> kRooms = {{
       {"platform/base/", Room::kBase},
       {"slam/image/", Room::kSlamImage},
       {"slam/filter/", Room::kSlamFilter},
       {"slam/map/", Room::kSlamMap},
       {"slam/fleet/", Room::kSlamFleet},
+      {"slam/exchange/", Room::kSlamExchange},
       {"slam/capacity.", Room::kSlamCommon},
       {"slam/geometry.", Room::kSlamCommon},
       {"slam/parameters.", Room::kSlamCommon},
@@ -85,9 +87,17 @@ std::string_view driver_folder(std::string_view path) {
 
 using Broken = std::optional<std::string>;
 
-Broken check_slam_include(Room from, Room to) {
+Broken check_slam_include(Room from, const std::string& path) {
+  const Room to = room_of(path);
   if (to == Room::kBase || to == from) return {};
   if (!is_slam(to)) return "slam includes platform/base, Eigen and slam alone";
+  if (from == Room::kSlamExchange) {
+    if (to == Room::kSlamCommon || is_plain_slam_type(path)) return {};
+    return "slam/exchange includes plain types of slam alone";
+  }
+  if (to == Room::kSlamExchange)
+    return "the core knows no network: nothing in slam includes "
+           "slam/exchange";
   if (from == Room::kSlamWhole || to == Room::kSlamCommon) return {};
   if (to == Room::kSlamWhole) return "stages are called by the step and do not include it";
   switch (from) {
@@ -162,7 +172,7 @@ Broken check_project_include(const std::string& file, const std::string& path) {
     if (to == Room::kBase) return {};
     return "platform/base includes the standard library alone";
   }
-  if (is_slam(from)) return check_slam_include(from, to);
+  if (is_slam(from)) return check_slam_include(from, path);
   if (from == Room::kDrivers) return check_driver_include(file, path);
   if (from == Room::kRecording) return check_recording_include(path);
   if (from == Room::kConfig) return check_config_include(path);
