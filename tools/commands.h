@@ -16,6 +16,7 @@ void add_replay_command(CLI::App& app, int& exit_code);
 void add_eval_command(CLI::App& app, int& exit_code);
 void add_demo_command(CLI::App& app, int& exit_code);
 void add_descriptors_command(CLI::App& app, int& exit_code);
+void add_key_command(CLI::App& app, int& exit_code);
 
 // `--set key=value`, once or several times.
 void add_set_option(CLI::App& command, std::vector<std::string>& assignments);

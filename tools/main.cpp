@@ -32,6 +32,7 @@ int run(int argc, char** argv) {
   add_sim_command(app, exit_code);
   add_replay_command(app, exit_code);
   add_eval_command(app, exit_code);
+  add_key_command(app, exit_code);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -27,6 +27,7 @@ enum class Room {
   kLinux,
   kConfig,
   kRecording,
+  kLink,
   kDaemon,
   kDaemonSimulated,  // its devices that come from the simulator
   kSim,
@@ -40,7 +41,7 @@ Room room_of(std::string_view path) {
     std::string_view prefix;
     Room room;
   };
-  static constexpr std::array<Entry, 21> kRooms = {{
+  static constexpr std::array<Entry, 22> kRooms = {{
       {"platform/base/", Room::kBase},
       {"slam/image/", Room::kSlamImage},
       {"slam/filter/", Room::kSlamFilter},
@@ -57,6 +58,7 @@ Room room_of(std::string_view path) {
       {"platform/linux/", Room::kLinux},
       {"platform/config/", Room::kConfig},
       {"platform/recording/", Room::kRecording},
+      {"platform/link/", Room::kLink},
       {"platform/daemon/simulated/", Room::kDaemonSimulated},
       {"platform/daemon/", Room::kDaemon},
       {"sim/", Room::kSim},
@@ -148,6 +150,16 @@ Broken check_recording_include(const std::string& path) {
          "drivers/odometry alone";
 }
 
+Broken check_link_include(const std::string& path) {
+  const Room to = room_of(path);
+  if (to == Room::kBase || to == Room::kLinux || to == Room::kLink || is_plain_slam_type(path) ||
+      starts_with(path, "slam/exchange/")) {
+    return {};
+  }
+  return "platform/link includes platform/base, platform/linux, slam/exchange and plain types of "
+         "slam alone";
+}
+
 Broken check_project_include(const std::string& file, const std::string& path) {
   const Room from = room_of(file);
   const Room to = room_of(path);
@@ -176,6 +188,7 @@ Broken check_project_include(const std::string& file, const std::string& path) {
   if (from == Room::kDrivers) return check_driver_include(file, path);
   if (from == Room::kRecording) return check_recording_include(path);
   if (from == Room::kConfig) return check_config_include(path);
+  if (from == Room::kLink) return check_link_include(path);
   if (from == Room::kLinux) {
     if (to == Room::kBase || to == Room::kLinux || is_plain_slam_type(path)) return {};
     return "platform/linux includes platform/base and plain types of slam alone";
@@ -225,6 +238,13 @@ Broken check_system_include(const std::string& file, const std::string& header) 
     }
   }
   const bool may_opencv = from == Room::kSim || from == Room::kTools || from == Room::kTests;
+  if (header == "sodium.h" && from != Room::kLink && from != Room::kTests) {
+    return "only platform/link uses libsodium";
+  }
+  if (from == Room::kLink &&
+      (header == "sys/socket.h" || header == "ctime" || header == "poll.h")) {
+    return "platform/link has no socket and no clock: datagrams and time are arguments";
+  }
   if (starts_with(header, "opencv") && !may_opencv) return "only sim, tools and tests use OpenCV";
   return {};
 }
@@ -276,7 +296,7 @@ const std::vector<ForbiddenText>& forbidden_without_exceptions() {
 
 bool has_no_exceptions(Room room) {
   return is_slam(room) || room == Room::kDrivers || room == Room::kBase || room == Room::kLinux ||
-         room == Room::kConfig;
+         room == Room::kConfig || room == Room::kLink;
 }
 
 Broken check_include_line(const std::string& file, const std::string& line) {

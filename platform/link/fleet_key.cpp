@@ -1,0 +1,258 @@
+#include "platform/link/fleet_key.h"
+
+#include <fcntl.h>
+#include <sodium.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cerrno>
+#include <string_view>
+
+#include "platform/linux/errno_text.h"
+#include "platform/linux/unique_fd.h"
+
+namespace zenith {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kHeader = "zenith-fleet-key 1";
+constexpr std::size_t kMaxFileBytes = 1024;
+
+// The file's text, wiped at the end.
+struct SecretText {
+  std::array<char, kMaxFileBytes> text = {};
+  std::size_t size = 0;
+
+  SecretText() = default;
+  SecretText(const SecretText&) = delete;
+  SecretText& operator=(const SecretText&) = delete;
+  ~SecretText() { sodium_memzero(text.data(), text.size()); }
+
+  void append(std::string_view piece) {
+    size += piece.copy(text.data() + size, text.size() - size);
+  }
+  std::string_view view() const { return {text.data(), size}; }
+};
+
+Error error_of(const fs::path& file, const std::string& what) {
+  return Error{"key file " + file.string() + ": " + what};
+}
+
+// Others' eyes and hands are kept off the key, or it is none.
+Status check_rights(const fs::path& file, const struct stat& info) {
+  const std::string name = file.string();
+  if (!S_ISREG(info.st_mode)) return error_of(file, "is no regular file");
+  if (info.st_uid != 0 && info.st_uid != ::geteuid()) {
+    return error_of(file, "belongs to user " + std::to_string(info.st_uid) +
+                              ", who may change it; please run: chown root " + name);
+  }
+  if ((info.st_mode & 0007) != 0 || (info.st_mode & 0030) != 0) {
+    return error_of(file,
+                    "may be read or changed by others than its owner and its group's "
+                    "readers; please run: chmod " +
+                        std::string((info.st_mode & 0040) != 0 ? "640 " : "600 ") + name +
+                        "\nand when others may have read it: zenith key rotate " + name);
+  }
+  return {};
+}
+
+Status read_text(const fs::path& file, SecretText& out, struct stat& info) {
+  const UniqueFd fd(::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+  if (!fd.is_open()) {
+    const int error = errno;
+    return error_of(
+        file, errno_text(error) + (error == ENOENT ? "; `zenith key new " + file.string() +
+                                                         "` makes one, to be copied to all robots"
+                                                   : ""));
+  }
+  if (::fstat(fd.get(), &info) != 0) return error_of(file, errno_text(errno));
+  if (const Status good = check_rights(file, info); !good) return good;
+  while (out.size < out.text.size()) {
+    const ssize_t count = ::read(fd.get(), out.text.data() + out.size, out.text.size() - out.size);
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) return error_of(file, errno_text(errno));
+    if (count == 0) return {};
+    out.size += static_cast<std::size_t>(count);
+  }
+  return error_of(file, "is longer than a key file");
+}
+
+std::string_view trimmed(std::string_view line) {
+  constexpr std::string_view kBlank = " \t\r";
+  const std::size_t begin = line.find_first_not_of(kBlank);
+  if (begin == std::string_view::npos) return {};
+  return line.substr(begin, line.find_last_not_of(kBlank) - begin + 1);
+}
+
+// The next line that says something; empty at the end.
+std::string_view next_line(std::string_view& rest) {
+  while (!rest.empty()) {
+    const std::size_t end = std::min(rest.find('\n'), rest.size());
+    const std::string_view line = trimmed(rest.substr(0, end));
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+    if (!line.empty() && line[0] != '#') return line;
+  }
+  return {};
+}
+
+bool parse_key(std::string_view line, SecretKey& out) {
+  std::size_t size = 0;
+  const char* end = nullptr;
+  std::uint8_t* bytes = out.bytes().data();
+  const bool is_hex = line.size() == 2 * SecretKey::kBytes;
+  const int status =
+      is_hex
+          ? sodium_hex2bin(bytes, SecretKey::kBytes, line.data(), line.size(), nullptr, &size, &end)
+          : sodium_base642bin(bytes, SecretKey::kBytes, line.data(), line.size(), nullptr, &size,
+                              &end, sodium_base64_VARIANT_ORIGINAL);
+  return status == 0 && size == SecretKey::kBytes && end == line.data() + line.size();
+}
+
+Status parse(const fs::path& file, std::string_view text, FleetKeys& out) {
+  if (next_line(text) != kHeader) {
+    return error_of(file, "does not begin with the line \"" + std::string(kHeader) +
+                              "\"; is it a key file? `zenith key new` makes one");
+  }
+  const std::string_view current = next_line(text);
+  const std::string_view previous = next_line(text);
+  constexpr const char* kForm = " is not 32 bytes as base64 (44 characters) or 64 hex digits";
+  if (current.empty()) return error_of(file, "holds no key");
+  if (!parse_key(current, out.current)) return error_of(file, std::string("its key") + kForm);
+  out.has_previous = !previous.empty();
+  if (out.has_previous && !parse_key(previous, out.previous)) {
+    return error_of(file, std::string("its second key") + kForm);
+  }
+  if (!next_line(text).empty()) return error_of(file, "holds more than two keys");
+  if (sodium_is_zero(out.current.bytes().data(), SecretKey::kBytes) != 0) {
+    return error_of(file, "its key is all zeros; `zenith key rotate` makes a new one");
+  }
+  return {};
+}
+
+void append_key(SecretText& text, const SecretKey& key) {
+  char base64[sodium_base64_ENCODED_LEN(SecretKey::kBytes, sodium_base64_VARIANT_ORIGINAL)];
+  sodium_bin2base64(base64, sizeof base64, key.bytes().data(), SecretKey::kBytes,
+                    sodium_base64_VARIANT_ORIGINAL);
+  text.append(base64);
+  text.append("\n");
+  sodium_memzero(base64, sizeof base64);
+}
+
+void compose(SecretText& text, const FleetKeys& keys) {
+  text.append(kHeader);
+  text.append("\n# All robots of a fleet have this file. Who has it may change their maps.\n");
+  append_key(text, keys.current);
+  if (!keys.has_previous) return;
+  text.append("# The key before it: what is sealed with it is still opened.\n");
+  append_key(text, keys.previous);
+}
+
+Status write_text(const fs::path& file, const SecretText& text, int flags,
+                  const struct stat* like) {
+  const UniqueFd fd(
+      ::open(file.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW | flags, 0600));
+  if (!fd.is_open()) {
+    return error_of(file, errno == EEXIST
+                              ? "is there already and stays; `zenith key rotate` puts a new key "
+                                "into it"
+                              : errno_text(errno));
+  }
+  if (like != nullptr && (::fchown(fd.get(), like->st_uid, like->st_gid) != 0 ||
+                          ::fchmod(fd.get(), like->st_mode & 0640) != 0)) {
+    return error_of(file, errno_text(errno));
+  }
+  const ssize_t written = ::write(fd.get(), text.text.data(), text.size);
+  if (written != static_cast<ssize_t>(text.size) || ::fsync(fd.get()) != 0) {
+    return error_of(file, errno_text(written < 0 ? errno : ENOSPC));
+  }
+  return {};
+}
+
+}  // namespace
+
+SecretKey::~SecretKey() {
+  sodium_memzero(bytes_.data(), bytes_.size());
+}
+
+bool SecretKey::operator==(const SecretKey& other) const {
+  return sodium_memcmp(bytes_.data(), other.bytes_.data(), kBytes) == 0;
+}
+
+void prepare_cryptography() {
+  const int status = sodium_init();
+  assert(status >= 0);
+  (void)status;
+}
+
+std::uint64_t secret_number() {
+  prepare_cryptography();
+  std::uint64_t number = 0;
+  randombytes_buf(&number, sizeof number);
+  return number;
+}
+
+SecretKey SecretKey::random() {
+  SecretKey key;
+  prepare_cryptography();
+  randombytes_buf(key.bytes_.data(), kBytes);
+  return key;
+}
+
+KeyHint key_hint(const SecretKey& fleet_key) {
+  constexpr std::string_view kPurpose = "zenith key hint";
+  std::array<std::uint8_t, 32> hash;
+  crypto_generichash(hash.data(), hash.size(),
+                     reinterpret_cast<const unsigned char*>(kPurpose.data()), kPurpose.size(),
+                     fleet_key.bytes().data(), SecretKey::kBytes);
+  return {hash[0], hash[1]};
+}
+
+std::string hint_text(const KeyHint& hint) {
+  char text[2 * std::tuple_size_v<KeyHint> + 1];
+  sodium_bin2hex(text, sizeof text, hint.data(), hint.size());
+  return text;
+}
+
+Result<FleetKeys> read_fleet_keys(const fs::path& file) {
+  SecretText text;
+  struct stat info = {};
+  if (const Status read = read_text(file, text, info); !read) return read.error();
+  FleetKeys keys;
+  if (const Status parsed = parse(file, text.view(), keys); !parsed) return parsed.error();
+  return keys;
+}
+
+Status create_fleet_key(const fs::path& file) {
+  SecretText text;
+  FleetKeys keys;
+  keys.current = SecretKey::random();
+  compose(text, keys);
+  return write_text(file, text, O_EXCL, nullptr);
+}
+
+Status rotate_fleet_key(const fs::path& file) {
+  SecretText old_text;
+  struct stat info = {};
+  if (const Status read = read_text(file, old_text, info); !read) return read;
+  FleetKeys keys;
+  if (const Status parsed = parse(file, old_text.view(), keys); !parsed) return parsed;
+  keys.previous = keys.current;
+  keys.has_previous = true;
+  // Hints that differ tell at once which of the two a datagram is sealed with.
+  while (key_hint(keys.current) == key_hint(keys.previous)) keys.current = SecretKey::random();
+  SecretText text;
+  compose(text, keys);
+  const fs::path next = file.string() + ".new";
+  ::unlink(next.c_str());  // of a rotation that was cut short
+  if (const Status written = write_text(next, text, O_EXCL, &info); !written) {
+    ::unlink(next.c_str());
+    return written;
+  }
+  if (::rename(next.c_str(), file.c_str()) != 0) return error_of(file, errno_text(errno));
+  return {};
+}
+
+}  // namespace zenith

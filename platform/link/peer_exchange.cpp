@@ -1,0 +1,103 @@
+#include "platform/link/peer_exchange.h"
+
+namespace zenith {
+namespace {
+
+std::size_t memory_needed() {
+  Arena arena;
+  exchange::Synchroniser synchroniser;
+  synchroniser.layout(arena);
+  return arena.used();
+}
+
+exchange::Settings with_names(exchange::Settings settings, const SessionSettings& sessions) {
+  settings.robot = robot_id(sessions.name.view());
+  settings.name.name.clear();
+  for (const char c : sessions.name.view()) settings.name.name.push_back(c);
+  return settings;
+}
+
+}  // namespace
+
+PeerExchange::PeerExchange(const PeerExchangeSettings& settings)
+    : sessions_(settings.sessions), memory_(memory_needed()) {
+  Arena arena(memory_.span());
+  synchroniser_.layout(arena);
+  synchroniser_.configure(with_names(settings.synchroniser, settings.sessions));
+}
+
+void PeerExchange::receive(Time now, const Endpoint& from, exchange::Bytes datagram,
+                           exchange::RecordSink& sink) {
+  std::array<std::uint8_t, kMaxPayloadBytes> payload;
+  Fresh fresh;
+  const bool is_fresh = sessions_.receive(now, from, datagram, payload, fresh);
+  if (is_fresh) {
+    note_verdict(now, fresh.session,
+                 synchroniser_.receive(now, fresh.session, fresh.counter, fresh.payload, sink));
+  }
+  if (sessions_.changes() != changes_seen_) reconcile(now);
+}
+
+void PeerExchange::note_verdict(Time now, int session, exchange::Verdict verdict) {
+  if (verdict == exchange::Verdict::kMalformed) sessions_.count_rejected(Rejected::kMalformed);
+  if (verdict == exchange::Verdict::kQuarantined) sessions_.count_rejected(Rejected::kQuarantined);
+  const std::uint64_t quarantines = synchroniser_.counters().quarantines;
+  if (quarantines == quarantines_seen_) return;
+  quarantines_seen_ = quarantines;
+  const Session& peer = *sessions_.session(session);
+  if (synchroniser_.quarantined(now, peer.id.robot)) {
+    sessions_.tell(LinkEventKind::kQuarantined, peer);
+  }
+}
+
+// Those who are no longer peers leave before others join: a robot that began anew has both.
+void PeerExchange::reconcile(Time now) {
+  changes_seen_ = sessions_.changes();
+  const auto peer_in = [this](std::size_t slot) {
+    const Session* session = sessions_.session(static_cast<int>(slot));
+    return session != nullptr && session->is_peer() ? session->id : SenderId{};
+  };
+  for (std::size_t i = 0; i < joined_.size(); ++i) {
+    if (joined_[i] == SenderId{} || joined_[i] == peer_in(i)) continue;
+    synchroniser_.leave(now, static_cast<int>(i));
+    joined_[i] = {};
+  }
+  for (std::size_t i = 0; i < joined_.size(); ++i) {
+    const SenderId peer = peer_in(i);
+    if (joined_[i] == peer) continue;
+    synchroniser_.join(now, static_cast<int>(i), peer.robot);
+    joined_[i] = peer;
+  }
+}
+
+Dispatch PeerExchange::next(Time now, std::span<std::uint8_t> out) {
+  Dispatch dispatch;
+  if (sessions_.has_answer() && synchroniser_.spend(now, kAnswerPayloadBytes)) {
+    dispatch.size = sessions_.next_answer(dispatch.to, out);
+    return dispatch;
+  }
+  std::array<std::uint8_t, kMaxPayloadBytes> payload;
+  while (true) {
+    const exchange::Outgoing outgoing = synchroniser_.next(now, payload);
+    if (outgoing.size == 0) return dispatch;
+    dispatch.to_everybody = outgoing.to == exchange::kEverybody;
+    if (!dispatch.to_everybody) {
+      const Session* peer = sessions_.session(outgoing.to);
+      if (peer == nullptr) continue;
+      dispatch.to = peer->address;
+    }
+    dispatch.size = sessions_.seal(exchange::Bytes(payload).first(outgoing.size), out);
+    return dispatch;
+  }
+}
+
+Time PeerExchange::next_time(Time now) const {
+  return synchroniser_.next_time(now);
+}
+
+void PeerExchange::forget_silent(Time now) {
+  sessions_.forget_silent(now);
+  if (sessions_.changes() != changes_seen_) reconcile(now);
+}
+
+}  // namespace zenith

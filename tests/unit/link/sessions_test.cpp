@@ -1,0 +1,337 @@
+#include "platform/link/sessions.h"
+
+#include <memory>
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/link/link_rig.h"
+
+namespace zenith {
+namespace {
+
+TEST(Sessions, VerifyBeforeTheyListen) {
+  TestRobot ada("ada", 1, 1);
+  TestRobot bert("bert", 2, 2);
+  EXPECT_FALSE(ada.hear(at(0), bert.address, bert.hello()));
+  EXPECT_EQ(ada.rejected(Rejected::kUnverified), 1u);
+  EXPECT_EQ(ada.sessions.find_peer(bert.sessions.own().robot), -1);
+
+  const auto challenges = ada.answers();
+  ASSERT_EQ(challenges.size(), 1u);
+  EXPECT_EQ(challenges[0].first, bert.address);
+  EXPECT_FALSE(bert.hear(at(0), ada.address, challenges[0].second));
+  const auto responses = bert.answers();
+  ASSERT_EQ(responses.size(), 1u);
+  EXPECT_EQ(responses[0].first, ada.address);
+  EXPECT_FALSE(ada.hear(at(0.1), bert.address, responses[0].second));
+  const int slot = ada.sessions.find_peer(bert.sessions.own().robot);
+  ASSERT_GE(slot, 0);
+
+  EXPECT_TRUE(ada.hear(at(1), bert.address, bert.hello()));
+  EXPECT_EQ(ada.fresh.session, slot);
+  EXPECT_EQ(ada.sessions.session(slot)->name.view(), "bert");
+  const auto events = ada.events();
+  ASSERT_EQ(events.size(), 1u);
+  EXPECT_EQ(events[0].kind, LinkEventKind::kFound);
+  EXPECT_EQ(events[0].name.view(), "bert");
+  // The other way round nobody has answered yet.
+  EXPECT_EQ(bert.sessions.find_peer(ada.sessions.own().robot), -1);
+}
+
+TEST(Sessions, AnAnswerIsNeverLongerThanWhatItAnswers) {
+  TestRobot ada("ada", 1, 1);
+  TestRobot bert("b", 2, 2);
+  const Datagram small = bert.say({99, 30, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
+                                   0,  0,  0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0});
+  ASSERT_LT(small.size(), kAnswerBytes);
+  ada.hear(at(0), bert.address, small);
+  EXPECT_EQ(ada.answers().size(), 0u);
+  const Datagram hello = bert.hello();
+  ada.hear(at(0), bert.address, hello);
+  const auto answers = ada.answers();
+  ASSERT_EQ(answers.size(), 1u);
+  EXPECT_EQ(answers[0].second.size(), kAnswerBytes);
+  EXPECT_LE(answers[0].second.size(), hello.size());
+}
+
+TEST(Sessions, WhatWasRecordedIsNotFreshAgain) {
+  TestRobot ada("ada", 1, 1);
+  TestRobot bert("bert", 2, 2);
+  const Datagram before = bert.hello();
+  verify(ada, bert, at(0));
+  const Datagram first = bert.hello();
+  const Datagram second = bert.hello();
+  EXPECT_TRUE(ada.hear(at(1), bert.address, second));
+  EXPECT_TRUE(ada.hear(at(1), bert.address, first)) << "overtaken on the way, yet fresh";
+  EXPECT_FALSE(ada.hear(at(1), bert.address, first));
+  EXPECT_FALSE(ada.hear(at(1), bert.address, second));
+  EXPECT_FALSE(ada.hear(at(1), bert.address, before)) << "older than the response";
+  EXPECT_EQ(ada.rejected(Rejected::kRepeated), 3u);
+}
+
+// A whole conversation, recorded and played to a robot that was restarted since.
+TEST(Sessions, ARecordedConversationConvincesNobody) {
+  TestRobot bert("bert", 2, 2);
+  std::vector<Datagram> recorded;
+  {
+    TestRobot ada("ada", 1, 1);
+    recorded.push_back(bert.hello());
+    ada.hear(at(0), bert.address, recorded.back());
+    bert.hear(at(0), ada.address, ada.answers().at(0).second);
+    recorded.push_back(bert.answers().at(0).second);
+    ada.hear(at(0), bert.address, recorded.back());
+    ASSERT_GE(ada.sessions.find_peer(bert.sessions.own().robot), 0);
+    recorded.push_back(bert.hello());
+  }
+  TestRobot ada("ada", 3, 1);
+  for (const Datagram& datagram : recorded) {
+    EXPECT_FALSE(ada.hear(at(1), bert.address, datagram));
+  }
+  EXPECT_EQ(ada.sessions.find_peer(bert.sessions.own().robot), -1);
+}
+
+TEST(Sessions, AResponseHoldsForTenSecondsAtMost) {
+  for (const double late_s : {0.0, 4.9, 10.0, 15.0}) {
+    TestRobot ada("ada", 1, 1);
+    TestRobot bert("bert", 2, 2);
+    ada.hear(at(0), bert.address, bert.hello());
+    bert.hear(at(0), ada.address, ada.answers().at(0).second);
+    ada.hear(at(late_s), bert.address, bert.answers().at(0).second);
+    EXPECT_EQ(ada.sessions.find_peer(bert.sessions.own().robot) >= 0, late_s < 10.0) << late_s;
+  }
+}
+
+TEST(Sessions, AnotherRobotsResponseIsNone) {
+  TestRobot ada("ada", 1, 1);
+  TestRobot bert("bert", 2, 2);
+  TestRobot carl("carl", 3, 3);
+  ada.hear(at(0), bert.address, bert.hello());
+  // Carl answers what bert was asked.
+  carl.hear(at(0), ada.address, ada.answers().at(0).second);
+  EXPECT_EQ(carl.answers().size(), 1u) << "a challenge for another one is a stranger's datagram";
+  std::vector<std::uint8_t> stolen = {3, 32, 0};
+  stolen.resize(35);
+  ada.hear(at(0), carl.address, carl.say(stolen));
+  EXPECT_EQ(ada.sessions.find_peer(carl.sessions.own().robot), -1);
+  EXPECT_EQ(ada.sessions.find_peer(bert.sessions.own().robot), -1);
+}
+
+TEST(Sessions, AnswersAreFew) {
+  TestRobot ada("ada", 1, 1);
+  // The same robot again and again: once in two seconds.
+  TestRobot bert("bert", 2, 2);
+  std::size_t answers = 0;
+  for (int i = 0; i < 1000; ++i) {
+    ada.hear(at(i * 0.001), bert.address, bert.hello());
+    answers += ada.answers().size();
+  }
+  EXPECT_EQ(answers, 1u);
+  // Ever new ones: a burst, then so many a second.
+  answers = 0;
+  for (std::uint64_t i = 0; i < 1000; ++i) {
+    TestRobot stranger("s" + std::to_string(i), 10 + i, 9);
+    ada.hear(at(2.0 + static_cast<double>(i) * 0.001), stranger.address, stranger.hello());
+    answers += ada.answers().size();
+  }
+  EXPECT_GE(answers, Handshake::kBurst);
+  EXPECT_LE(answers, Handshake::kBurst + Handshake::kPerSecond + 1);
+  EXPECT_EQ(ada.sessions.find_peer(bert.sessions.own().robot), -1);
+}
+
+TEST(Sessions, FollowAPeerThatMoves) {
+  TestRobot ada("ada", 1, 1);
+  TestRobot bert("bert", 2, 2);
+  verify(ada, bert, at(0));
+  const int slot = ada.sessions.find_peer(bert.sessions.own().robot);
+  const Datagram old = bert.hello();
+  EXPECT_TRUE(ada.hear(at(1), address_of(77), bert.hello()));
+  EXPECT_EQ(ada.sessions.session(slot)->address, address_of(77));
+  EXPECT_TRUE(ada.hear(at(2), address_of(78), old)) << "late, but fresh";
+  EXPECT_EQ(ada.sessions.session(slot)->address, address_of(77));
+  EXPECT_FALSE(ada.hear(at(3), address_of(66), old)) << "replayed from elsewhere";
+  EXPECT_EQ(ada.sessions.session(slot)->address, address_of(77));
+}
+
+TEST(Sessions, ARobotThatBeganAnewTakesItsPlace) {
+  TestRobot ada("ada", 1, 1);
+  TestRobot bert("bert", 2, 2);
+  verify(ada, bert, at(0));
+  ada.hear(at(1), bert.address, bert.hello());
+  const int before = ada.sessions.find_peer(bert.sessions.own().robot);
+  const Datagram under_way = bert.hello();
+  ada.events();
+
+  TestRobot again("bert", 3, 2);
+  verify(ada, again, at(2));
+  const int after = ada.sessions.find_peer(bert.sessions.own().robot);
+  ASSERT_GE(after, 0);
+  EXPECT_NE(after, before);
+  EXPECT_FALSE(ada.sessions.session(before)->is_peer());
+  const auto events = ada.events();
+  ASSERT_EQ(events.size(), 1u);
+  EXPECT_EQ(events[0].kind, LinkEventKind::kRestarted);
+  EXPECT_EQ(events[0].name.view(), "bert");
+  // The last words of the old one are no conflict ...
+  EXPECT_FALSE(ada.hear(at(3), bert.address, under_way));
+  EXPECT_EQ(ada.events().size(), 0u);
+  // ... but an old one that goes on talking is: two robots have one name.
+  EXPECT_FALSE(ada.hear(at(30), bert.address, bert.hello()));
+  EXPECT_FALSE(ada.hear(at(31), bert.address, bert.hello()));
+  const auto conflict = ada.events();
+  ASSERT_EQ(conflict.size(), 1u);
+  EXPECT_EQ(conflict[0].kind, LinkEventKind::kNameConflict);
+  EXPECT_EQ(ada.rejected(Rejected::kNameTaken), 3u);
+}
+
+TEST(Sessions, ANamesakeIsToldOnceAndNotHeard) {
+  TestRobot ada("ada", 1, 1);
+  TestRobot other("ada", 2, 2);
+  verify(ada, other, at(0));
+  EXPECT_FALSE(ada.hear(at(1), other.address, other.hello()));
+  EXPECT_FALSE(ada.hear(at(5), other.address, other.hello()));
+  EXPECT_FALSE(ada.hear(at(6), other.address, other.hello()));
+  const auto events = ada.events();
+  ASSERT_EQ(events.size(), 1u);
+  EXPECT_EQ(events[0].kind, LinkEventKind::kNameConflict);
+  EXPECT_EQ(events[0].name.view(), "ada");
+  EXPECT_EQ(events[0].address, other.address);
+  EXPECT_EQ(ada.sessions.find_peer(other.sessions.own().robot), -1);
+}
+
+TEST(Sessions, OtherVersionsAreToldOnceAndNotAnswered) {
+  TestRobot ada("ada", 1, 1);
+  FrameHeader header;
+  header.version = 2;
+  header.version_min = 2;
+  header.version_max = 3;
+  header.key_hint = key_hint(key_of(1));
+  header.sender = {robot_id("newer"), 77};
+  const SecretKey key = sender_key(key_of(1), header.sender);
+  for (header.counter = 1; header.counter <= 5; ++header.counter) {
+    Datagram datagram(kMaxDatagramBytes);
+    datagram.resize(seal(key, header, std::vector<std::uint8_t>(100), datagram));
+    EXPECT_FALSE(ada.hear(at(0), address_of(9), datagram));
+  }
+  EXPECT_EQ(ada.rejected(Rejected::kOtherVersion), 5u);
+  EXPECT_EQ(ada.answers().size(), 0u);
+  const auto events = ada.events();
+  ASSERT_EQ(events.size(), 1u);
+  EXPECT_EQ(events[0].kind, LinkEventKind::kOtherVersion);
+  EXPECT_EQ(events[0].value, 2);
+  // A version that somebody without the key only claims is a forgery.
+  Datagram forged(kMaxDatagramBytes);
+  forged.resize(seal(key_of(5), header, std::vector<std::uint8_t>(100), forged));
+  EXPECT_FALSE(ada.hear(at(0), address_of(9), forged));
+  EXPECT_EQ(ada.rejected(Rejected::kForged), 1u);
+}
+
+TEST(Sessions, OtherFleetsAreNotHeard) {
+  TestRobot ada("ada", 1, 1);
+  TestRobot stranger(session_settings("zoe", 5, 2), 5);
+  EXPECT_FALSE(ada.hear(at(0), stranger.address, stranger.hello()));
+  EXPECT_EQ(ada.rejected(Rejected::kOtherKey), 1u);
+  EXPECT_EQ(ada.answers().size(), 0u);
+}
+
+// Bert still has the old key only, ada both: ada hears bert. When bert has the new one too, both
+// hear each other.
+TEST(Sessions, TwoKeysHoldWhileTheyChange) {
+  SessionSettings settings = session_settings("ada", 1, 2);
+  settings.keys.previous = key_of(1);
+  settings.keys.has_previous = true;
+  TestRobot ada(settings, 1);
+  TestRobot bert(session_settings("bert", 2, 1), 2);
+  EXPECT_FALSE(ada.hear(at(0), bert.address, bert.hello()));
+  const auto challenge = ada.answers();
+  ASSERT_EQ(challenge.size(), 1u);
+  EXPECT_FALSE(bert.hear(at(0), ada.address, challenge[0].second));
+  EXPECT_EQ(bert.rejected(Rejected::kOtherKey), 1u);
+
+  TestRobot carl(session_settings("carl", 3, 2), 3);
+  verify(ada, carl, at(1));
+  verify(carl, ada, at(1));
+  EXPECT_TRUE(ada.hear(at(2), carl.address, carl.hello()));
+  EXPECT_TRUE(carl.hear(at(2), ada.address, ada.hello()));
+  settings.keys.previous = key_of(3);
+  settings.keys.current = key_of(1);
+  settings.name.assign("dora");
+  settings.boot = 9;
+  TestRobot dora(settings, 4);  // seals with what is ada's previous key
+  verify(ada, dora, at(3));
+  EXPECT_EQ(ada.sessions.find_peer(dora.sessions.own().robot), -1) << "dora cannot read ada's";
+}
+
+TEST(Sessions, OwnDatagramsComeBackFromTheGroup) {
+  TestRobot ada("ada", 1, 1);
+  EXPECT_FALSE(ada.hear(at(0), ada.address, ada.hello()));
+  EXPECT_EQ(ada.rejected(Rejected::kEcho), 1u);
+  EXPECT_EQ(ada.answers().size(), 0u);
+}
+
+TEST(Sessions, ByeEndsAndNothingOfItIsFreshAgain) {
+  TestRobot ada("ada", 1, 1);
+  TestRobot bert("bert", 2, 2);
+  verify(ada, bert, at(0));
+  ada.hear(at(1), bert.address, bert.hello());
+  const auto changes = ada.sessions.changes();
+  const Datagram bye = bert.bye();
+  EXPECT_TRUE(ada.hear(at(2), bert.address, bye));
+  EXPECT_EQ(ada.sessions.find_peer(bert.sessions.own().robot), -1);
+  EXPECT_GT(ada.sessions.changes(), changes);
+  EXPECT_EQ(ada.events().back().kind, LinkEventKind::kLeft);
+  EXPECT_FALSE(ada.hear(at(3), bert.address, bye));
+  EXPECT_FALSE(ada.hear(at(3), bert.address, bert.hello()));
+  EXPECT_EQ(ada.events().size(), 0u);
+}
+
+TEST(Sessions, TheSilentAreForgottenAndVerifiedAgain) {
+  TestRobot ada("ada", 1, 1);
+  TestRobot bert("bert", 2, 2);
+  verify(ada, bert, at(0));
+  ada.hear(at(1), bert.address, bert.hello());
+  ada.events();
+  ada.sessions.forget_silent(at(60));
+  EXPECT_GE(ada.sessions.find_peer(bert.sessions.own().robot), 0);
+  ada.sessions.forget_silent(at(61.1));
+  EXPECT_EQ(ada.sessions.find_peer(bert.sessions.own().robot), -1);
+  EXPECT_EQ(ada.events().at(0).kind, LinkEventKind::kSilent);
+  EXPECT_FALSE(ada.hear(at(70), bert.address, bert.hello()));
+  verify(ada, bert, at(80));
+  EXPECT_TRUE(ada.hear(at(81), bert.address, bert.hello()));
+}
+
+TEST(Sessions, AreFullWithAWholeFleetAndMakeRoomForTheLiving) {
+  TestRobot ada("ada", 1, 1);
+  std::vector<std::unique_ptr<TestRobot>> fleet;
+  for (std::uint64_t i = 0; i < kMaxSessions; ++i) {
+    fleet.push_back(std::make_unique<TestRobot>("r" + std::to_string(i), 10 + i, 5));
+    verify(ada, *fleet.back(), at(static_cast<double>(i) * 0.2));
+    ASSERT_GE(ada.sessions.find_peer(fleet.back()->sessions.own().robot), 0) << i;
+  }
+  for (auto& robot : fleet) EXPECT_TRUE(ada.hear(at(14), robot->address, robot->hello()));
+  TestRobot late("late", 900, 6);
+  verify(ada, late, at(20));
+  EXPECT_EQ(ada.sessions.find_peer(late.sessions.own().robot), -1);
+  EXPECT_EQ(ada.rejected(Rejected::kNoRoom), 1u);
+  // All but the first go on talking.
+  for (std::size_t i = 1; i < fleet.size(); ++i) {
+    EXPECT_TRUE(ada.hear(at(28), fleet[i]->address, fleet[i]->hello()));
+  }
+  verify(ada, late, at(30));
+  EXPECT_GE(ada.sessions.find_peer(late.sessions.own().robot), 0);
+  EXPECT_EQ(ada.sessions.find_peer(fleet[0]->sessions.own().robot), -1);
+  EXPECT_GE(ada.sessions.find_peer(fleet[1]->sessions.own().robot), 0);
+}
+
+TEST(Sessions, ANameOfAnotherRobotIsAFault) {
+  TestRobot ada("ada", 1, 1);
+  TestRobot bert("bert", 2, 2);
+  std::vector<std::uint8_t> lie = {1, 5, 0, 4, 'c', 'a', 'r', 'l', 99, 32, 0};
+  lie.resize(lie.size() + 32);
+  EXPECT_FALSE(ada.hear(at(0), bert.address, bert.say(lie)));
+  EXPECT_EQ(ada.rejected(Rejected::kMalformed), 1u);
+  EXPECT_EQ(ada.answers().size(), 0u);
+}
+
+}  // namespace
+}  // namespace zenith
