@@ -2,6 +2,7 @@
 # The guest's devices do what the drivers' tests rely on: cameras deliver, a fed camera returns what
 # was fed, CAN frames arrive, a GPIO line that is set reads back.
 # guests: x86 arm64
+# limit: 60 s
 set -euo pipefail
 
 fail() { printf 'devices: %s\n' "$*" >&2; exit 1; }
