@@ -141,7 +141,8 @@ Status write_frames(Recording& recording, const Part& part, Play& play) {
   if (count < 2) return Error{"fewer than two frames lie in that part of the recording"};
   const Lens& lens = recording.config().lens;
   std::ofstream(part.play / "frames.txt")
-      << lens.width_px << ' ' << lens.height_px << ' ' << count << "\n" << times;
+      << lens.width_px << ' ' << lens.height_px << ' ' << count << "\n"
+      << times;
   if (!pixels.flush()) return Error{"the pictures could not be written; is the disk full?"};
   return {};
 }

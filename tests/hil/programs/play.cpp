@@ -300,12 +300,13 @@ bool read_options(int argc, char** argv, Options& options) {
 int main(int argc, char** argv) {
   zenith::hil::Options options;
   if (!zenith::hil::read_options(argc, argv, options)) {
-    std::fprintf(stderr,
-                 "Usage: hil-play PLAY --camera /dev/videoN --bus vcanN --origin FILE\n"
-                 "                [--since NS] [--send-can]\n\n"
-                 "The first frame on the bus begins the play; FILE gets when that was. --since goes\n"
-                 "on with a play that began then. --send-can sends the CAN log, too, by a clock\n"
-                 "that nobody sets; the first frame on the bus begins it all the same.\n");
+    std::fprintf(
+        stderr,
+        "Usage: hil-play PLAY --camera /dev/videoN --bus vcanN --origin FILE\n"
+        "                [--since NS] [--send-can]\n\n"
+        "The first frame on the bus begins the play; FILE gets when that was. --since goes\n"
+        "on with a play that began then. --send-can sends the CAN log, too, by a clock\n"
+        "that nobody sets; the first frame on the bus begins it all the same.\n");
     return 2;
   }
   struct sigaction action = {};

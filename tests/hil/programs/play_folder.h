@@ -57,8 +57,8 @@ inline Pose2 truth_at(const std::vector<TruePose>& poses, std::int64_t time_ns) 
     const TruePose& a = poses[i - 1];
     const TruePose& b = poses[i];
     if (b.time_ns < time_ns) continue;
-    const double s = static_cast<double>(time_ns - a.time_ns) /
-                     static_cast<double>(b.time_ns - a.time_ns);
+    const double s =
+        static_cast<double>(time_ns - a.time_ns) / static_cast<double>(b.time_ns - a.time_ns);
     const Pose2& p = a.T_start_robot;
     const Pose2& q = b.T_start_robot;
     return {p.x_m + s * (q.x_m - p.x_m), p.y_m + s * (q.y_m - p.y_m),

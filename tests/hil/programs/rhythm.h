@@ -16,10 +16,10 @@ struct LightChange {
   bool lit = false;
 };
 
-inline constexpr Duration kRhythm = {2'000'000'000};     // the longest one
-inline constexpr Duration kBetween = {900'000'000};      // a longer gap parts groups of flashes
-inline constexpr Duration kLongFlash = {700'000'000};    // of "starting"; others last 0.1 s
-inline constexpr Duration kWatched = {4'500'000'000};    // two rhythms and some
+inline constexpr Duration kRhythm = {2'000'000'000};   // the longest one
+inline constexpr Duration kBetween = {900'000'000};    // a longer gap parts groups of flashes
+inline constexpr Duration kLongFlash = {700'000'000};  // of "starting"; others last 0.1 s
+inline constexpr Duration kWatched = {4'500'000'000};  // two rhythms and some
 
 // From the changes of a light, the newest last, up to `now`. The first one is its state when
 // watching began. "starting", "mapping", "merged", "degraded", "fault", "dark", "steady", or
