@@ -12,6 +12,7 @@
 namespace zenith::tools {
 
 void add_sim_command(CLI::App& app, int& exit_code);
+void add_record_command(CLI::App& app, int& exit_code);
 void add_replay_command(CLI::App& app, int& exit_code);
 void add_eval_command(CLI::App& app, int& exit_code);
 void add_demo_command(CLI::App& app, int& exit_code);

@@ -15,6 +15,9 @@ constexpr const char* kFooter =
   zenith replay rec/* --out out        map them, together
   zenith eval corridor-rooms           figures against the ground truth
 
+On a robot:
+  zenith record rec/anna               record what the running zenithd sees
+
 `zenith COMMAND --help` explains a command with examples; `zenith --parameters` lists what
 `--set key=value` can change.)";
 
@@ -30,6 +33,7 @@ int run(int argc, char** argv) {
   add_demo_command(app, exit_code);
   add_descriptors_command(app, exit_code);
   add_sim_command(app, exit_code);
+  add_record_command(app, exit_code);
   add_replay_command(app, exit_code);
   add_eval_command(app, exit_code);
   add_key_command(app, exit_code);

@@ -7,8 +7,8 @@
 
 #include "platform/daemon/config_text.h"
 #include "platform/daemon/daemon.h"
-#include "platform/daemon/telemetry_socket.h"
 #include "platform/daemon/version.h"
+#include "platform/linux/local_socket.h"
 #include "platform/linux/realtime.h"
 #include "platform/linux/signals.h"
 #include "slam/slam.h"

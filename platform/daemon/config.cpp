@@ -6,6 +6,7 @@
 
 #include "drivers/leds/led_output.h"
 #include "platform/config/robot_settings.h"
+#include "platform/daemon/tap/tap.h"
 
 namespace zenith {
 namespace {
@@ -130,6 +131,19 @@ Settings machine_settings(DaemonConfig& c) {
                        {"telemetry.rate_hz", "1/s", 0.1, 100, "pose lines a second, at most",
                         &c.telemetry.rate_hz},
                    }));
+  append(settings,
+         {
+             {"record.enabled", "", 0, 0,
+              "whether `zenith record` may record the running robot: its frames, CAN frames and "
+              "poses, through a socket for the service's own user and root",
+              &c.record.enabled},
+             {"record.socket", "", 0, 0,
+              "its path; a relative one lies in the service's runtime folder", &c.record.socket},
+             {"record.frames", "", 1, tap::Tap::kMaxFrames,
+              "that may wait for a slow recorder, then frames are left out of the recording; the "
+              "memory is taken at the start: 0.3 MB each at 640x480",
+              &c.record.frames},
+         });
   return settings;
 }
 
@@ -206,6 +220,8 @@ void check_relations(const DaemonConfig& c, const KeyLines& lines, Problems& pro
   check(cpus.ok(), "realtime.cpus", cpus ? "" : ": " + cpus.error().message);
   check(!c.telemetry.enabled || !c.telemetry.socket.empty(), "telemetry.socket",
         " is empty; telemetry.enabled = false switches it off");
+  check(!c.record.enabled || !c.record.socket.empty(), "record.socket",
+        " is empty; record.enabled = false switches it off");
   check(!c.name.empty(), "robot.name", " is empty");
 }
 

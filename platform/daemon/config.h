@@ -51,6 +51,12 @@ struct TelemetryConfig {
   double rate_hz = 10.0;                  // of pose lines, at most
 };
 
+struct RecordConfig {
+  bool enabled = true;
+  std::string socket = "record.sock";  // relative: as telemetry.socket
+  int frames = 16;                     // that wait for a recorder
+};
+
 struct SimulationConfig {
   std::string world = "corridor-rooms";
   std::string robot;           // by name; empty: the world's first
@@ -74,6 +80,7 @@ struct DaemonConfig {
   RealtimeConfig realtime;
   LoadConfig load;
   TelemetryConfig telemetry;
+  RecordConfig record;
   LedSettings leds;
   LogChoice log = LogChoice::kInfo;
   Parameters slam;

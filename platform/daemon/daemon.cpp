@@ -10,6 +10,7 @@
 #include "platform/daemon/device_keeper.h"
 #include "platform/daemon/housekeeping.h"
 #include "platform/daemon/perception.h"
+#include "platform/daemon/tap/daemon_tap.h"
 #include "platform/daemon/version.h"
 #include "platform/linux/clock.h"
 #include "platform/linux/log.h"
@@ -75,8 +76,9 @@ class Threads {
   }
 
   std::atomic<bool> stop_ = false;
-  std::array<Thread, 3> threads_;
-  std::array<std::atomic<bool>, 3> ended_ = {};
+  static constexpr std::size_t kMost = 4;
+  std::array<Thread, kMost> threads_;
+  std::array<std::atomic<bool>, kMost> ended_ = {};
   std::size_t count_ = 0;
 };
 
@@ -129,8 +131,9 @@ int run_daemon(const DaemonConfig& config, const std::filesystem::path& file,
     return 1;
   }
   const auto exchange = std::make_unique<Exchange>();
-  const auto perception = std::make_unique<Perception>(*devices, config.slam, config.seed,
-                                                       live_settings(config), *exchange);
+  const tap::DaemonTap tap = tap::make_daemon_tap(config, *devices);
+  const auto perception = std::make_unique<Perception>(
+      *devices, config.slam, config.seed, live_settings(config), *exchange, tap.tap.get());
   warm_up(devices->robot, config.slam);
   Cooperation cooperation(*exchange, nullptr);  // no radio yet: this robot works alone
   DeviceKeeper keeper(*devices->camera, perception->camera_turn(), *devices->can,
@@ -159,6 +162,11 @@ int run_daemon(const DaemonConfig& config, const std::filesystem::path& file,
   started = started && threads->start(
                            {.name = "zen-keeper"},
                            [&](const std::atomic<bool>& stop) { keeper.run(stop); }, report);
+  if (tap.server != nullptr) {
+    started = started && threads->start(
+                             {.name = "zen-tap"},
+                             [&](const std::atomic<bool>& stop) { tap.server->run(stop); }, report);
+  }
   log_report(report);
 
   Housekeeping housekeeping(config, file, devices->description, *perception, cooperation, notify);

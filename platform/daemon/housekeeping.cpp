@@ -6,6 +6,7 @@
 #include "platform/daemon/telemetry_lines.h"
 #include "platform/daemon/version.h"
 #include "platform/linux/clock.h"
+#include "platform/linux/local_socket.h"
 #include "platform/linux/log.h"
 
 namespace zenith {

@@ -32,9 +32,10 @@ PeerReport report_of(const Alignment& a) {
 }  // namespace
 
 Perception::Perception(Devices& devices, const Parameters& parameters, std::uint64_t seed,
-                       const LiveSettings& live, Exchange& exchange)
+                       const LiveSettings& live, Exchange& exchange, tap::Tap* tap)
     : devices_(devices),
       exchange_(exchange),
+      tap_(tap),
       decoder_(devices.decoder),
       period_(Duration::from_seconds(1.0 / devices.robot.frame_rate_hz)),
       live_(live),
@@ -105,6 +106,7 @@ void Perception::wait_for_frame() {
   }
   frame_ = frame;
   received_ = now;
+  if (tap_ != nullptr) tap_->add(frame);
 }
 
 bool Perception::wheels_are_there(Time now) const {
@@ -127,6 +129,7 @@ std::size_t Perception::receive_can(Duration timeout) {
         devices_.can->receive(batch == 0 ? timeout : Duration{0}, can_frames_);
     const Time now = monotonic_now();
     for (std::size_t i = 0; i < count; ++i) {
+      if (tap_ != nullptr) tap_->add(can_frames_[i]);
       if (const auto sample = decoder_.decode(can_frames_[i])) keep(*sample, now);
     }
     total += count;
@@ -192,6 +195,8 @@ void Perception::use_frame() {
   report_.matched = output.matched;
   report_.inliers = output.inliers;
   note_alignments();
+
+  if (tap_ != nullptr) tap_->add(tap::TappedPose{output.stamp, output.T_start_robot});
 
   const Time end = monotonic_now();
   const Duration cpu = {thread_cpu_time().ns - cpu_start.ns};

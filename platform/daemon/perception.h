@@ -21,6 +21,7 @@
 #include "platform/daemon/exchange.h"
 #include "platform/daemon/load_shedder.h"
 #include "platform/daemon/perception_report.h"
+#include "platform/daemon/tap/tap.h"
 #include "platform/daemon/turn.h"
 #include "platform/linux/snapshot.h"
 #include "platform/linux/spsc_queue.h"
@@ -40,9 +41,10 @@ class Perception {
   // The longest single wait: how soon it sees a stop, and how long CAN frames may lie.
   static constexpr Duration kSlice = {5'000'000};
 
-  // Allocates all that it needs. `devices` and `exchange` must outlive it.
+  // Allocates all that it needs. `devices`, `exchange` and `tap` must outlive it; without a tap
+  // (null) nobody can record.
   Perception(Devices& devices, const Parameters& parameters, std::uint64_t seed,
-             const LiveSettings& live, Exchange& exchange);
+             const LiveSettings& live, Exchange& exchange, tap::Tap* tap = nullptr);
 
   // The thread's body.
   void run(const std::atomic<bool>& stop);
@@ -81,6 +83,7 @@ class Perception {
 
   Devices& devices_;
   Exchange& exchange_;
+  tap::Tap* const tap_;
   WheelDecoder decoder_;
   Duration period_;
   LiveSettings live_;

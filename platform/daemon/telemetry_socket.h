@@ -14,9 +14,6 @@
 
 namespace zenith {
 
-// Where a relative path lies: RUNTIME_DIRECTORY, or for a person XDG_RUNTIME_DIR, or /tmp.
-std::string runtime_path(const std::string& path);
-
 class TelemetrySocket {
  public:
   static constexpr std::size_t kReaders = 8;  // further ones are turned away

@@ -26,6 +26,10 @@ inline path frames(const path& folder) {
 inline path can_log(const path& folder, const std::string& interface) {
   return folder / (interface + ".log");
 }
+// What the running robot itself thought, when it was recorded; not used by a replay.
+inline path estimate(const path& folder) {
+  return folder / "estimate.tum";
+}
 inline path ground_truth(const path& folder) {
   return folder / "groundtruth.tum";
 }

@@ -53,12 +53,12 @@ Status read_grey_png(const std::filesystem::path& path, int width, int height,
   return {};
 }
 
-Status write_grey_png(const std::filesystem::path& path, ImageView image) {
+Status write_grey_png(const std::filesystem::path& path, ImageView image, int compression) {
   const File file(std::fopen(path.c_str(), "wb"));
   if (!file) return Error{path.string() + ": cannot be created: " + std::strerror(errno)};
   const Context context(spng_ctx_new(SPNG_CTX_ENCODER));
   spng_set_png_file(context.get(), file.get());
-  spng_set_option(context.get(), SPNG_IMG_COMPRESSION_LEVEL, 1);
+  spng_set_option(context.get(), SPNG_IMG_COMPRESSION_LEVEL, compression);
   spng_set_option(context.get(), SPNG_FILTER_CHOICE, SPNG_FILTER_CHOICE_UP);
   spng_ihdr header = {};
   header.width = static_cast<std::uint32_t>(image.width);

@@ -15,6 +15,7 @@ namespace zenith {
 Status read_grey_png(const std::filesystem::path& path, int width, int height,
                      std::vector<std::uint8_t>& pixels);
 
-Status write_grey_png(const std::filesystem::path& path, ImageView image);
+// `compression`: 0, none, to 9; a higher level takes much longer and saves little.
+Status write_grey_png(const std::filesystem::path& path, ImageView image, int compression = 1);
 
 }  // namespace zenith

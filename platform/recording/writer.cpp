@@ -1,5 +1,6 @@
 #include "platform/recording/writer.h"
 
+#include <fstream>
 #include <utility>
 
 #include "platform/recording/candump.h"
@@ -19,6 +20,18 @@ Status write_text(const std::filesystem::path& path, const std::string& text) {
   return {};
 }
 
+std::string frame_name(Time stamp) {
+  return std::to_string(stamp.ns) + ".png";
+}
+
+void add_pose(const std::filesystem::path& path, LineFile& file, const StampedPose& pose) {
+  if (!file.is_open()) {
+    file = LineFile(path);
+    file.add("# timestamp x y z qx qy qz qw\n");
+  }
+  file.add(format_tum(pose));
+}
+
 }  // namespace
 
 RecordingWriter::RecordingWriter(std::filesystem::path folder, std::string interface)
@@ -26,7 +39,7 @@ RecordingWriter::RecordingWriter(std::filesystem::path folder, std::string inter
       interface_(std::move(interface)),
       frame_list_(layout::frame_list(folder_)),
       can_log_(layout::can_log(folder_, interface_)) {
-  frame_list_ << "#timestamp [ns],filename\n";
+  frame_list_.add("#timestamp [ns],filename\n");
 }
 
 Result<RecordingWriter> RecordingWriter::create(const std::filesystem::path& folder,
@@ -43,30 +56,45 @@ Result<RecordingWriter> RecordingWriter::create(const std::filesystem::path& fol
   return RecordingWriter(folder, robot.can_interface);
 }
 
+std::filesystem::path RecordingWriter::frame_path(Time stamp) const {
+  return layout::frames(folder_) / frame_name(stamp);
+}
+
+void RecordingWriter::list_frame(Time stamp) {
+  frame_list_.add(std::to_string(stamp.ns) + ',' + frame_name(stamp) + '\n');
+}
+
 Status RecordingWriter::add_frame(Time stamp, ImageView frame) {
-  const std::string name = std::to_string(stamp.ns) + ".png";
-  frame_list_ << stamp.ns << ',' << name << '\n';
-  return write_grey_png(layout::frames(folder_) / name, frame);
+  const Status written = write_grey_png(frame_path(stamp), frame);
+  if (written) list_frame(stamp);
+  return written;
 }
 
 void RecordingWriter::add_can(const CanFrame& frame) {
-  can_log_ << format_candump(frame, interface_) << '\n';
+  can_log_.add(format_candump(frame, interface_) + '\n');
 }
 
 void RecordingWriter::add_truth(Time stamp, const Pose2& T_world_robot) {
-  if (!truth_.is_open()) {
-    truth_.open(layout::ground_truth(folder_));
-    truth_ << "# timestamp x y z qx qy qz qw\n";
-  }
-  truth_ << format_tum({stamp, T_world_robot});
+  add_pose(layout::ground_truth(folder_), truth_, {stamp, T_world_robot});
 }
 
-Status RecordingWriter::finish() {
-  frame_list_.close();
-  can_log_.close();
-  if (truth_.is_open()) truth_.close();
-  if (frame_list_ && can_log_ && truth_) return {};
-  return Error{folder_.string() + ": cannot be written whole: is the disk full?"};
+void RecordingWriter::add_estimate(Time stamp, const Pose2& T_start_robot) {
+  add_pose(layout::estimate(folder_), estimate_, {stamp, T_start_robot});
+}
+
+Status RecordingWriter::flush() {
+  Status status;
+  for (LineFile* file : {&can_log_, &truth_, &estimate_, &frame_list_}) {
+    const bool used = file->bytes() > 0 || file == &can_log_ || file == &frame_list_;
+    if (!used) continue;
+    const Status flushed = file->flush();
+    if (status && !flushed) status = flushed;
+  }
+  return status;
+}
+
+std::uint64_t RecordingWriter::list_bytes() const {
+  return frame_list_.bytes() + can_log_.bytes() + truth_.bytes() + estimate_.bytes();
 }
 
 }  // namespace zenith

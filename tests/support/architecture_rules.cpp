@@ -142,12 +142,12 @@ Broken check_config_include(const std::string& path) {
 
 Broken check_recording_include(const std::string& path) {
   const Room to = room_of(path);
-  if (to == Room::kBase || to == Room::kConfig || to == Room::kRecording ||
+  if (to == Room::kBase || to == Room::kLinux || to == Room::kConfig || to == Room::kRecording ||
       is_plain_slam_type(path) || starts_with(path, "drivers/odometry/")) {
     return {};
   }
-  return "platform/recording includes platform/base, platform/config, plain types of slam and "
-         "drivers/odometry alone";
+  return "platform/recording includes platform/base, platform/linux, platform/config, plain types "
+         "of slam and drivers/odometry alone";
 }
 
 Broken check_link_include(const std::string& path) {
@@ -174,8 +174,8 @@ Broken check_project_include(const std::string& file, const std::string& path) {
   if (to == Room::kRecording && (from == Room::kDaemon || from == Room::kSim)) {
     return "zenithd reads no recordings: its lean link has no PNG and no YAML";
   }
-  if (is_daemon(to) && !is_daemon(from)) {
-    return "nothing includes platform/daemon but itself and tests";
+  if (is_daemon(to) && !is_daemon(from) && from != Room::kTools) {
+    return "nothing includes platform/daemon but itself, tools and tests";
   }
   if (to == Room::kDaemonSimulated && from == Room::kDaemon) {
     return "zenithd is built without the simulator";

@@ -24,7 +24,7 @@ Parameters few_particles() {
 class PerceptionRig {
  public:
   explicit PerceptionRig(const LiveSettings& live = {})
-      : perception(robot.devices, few_particles(), 1, live, *exchange),
+      : perception(robot.devices, few_particles(), 1, live, *exchange, &tap),
         keeper_(*robot.devices.camera, perception.camera_turn(), *robot.devices.can,
                 perception.can_turn()) {
     warm_up(robot.devices.robot, few_particles());
@@ -69,6 +69,7 @@ class PerceptionRig {
 
   FakeRobot robot;
   const std::unique_ptr<Exchange> exchange = std::make_unique<Exchange>();
+  tap::Tap tap{Lens{}.width_px, Lens{}.height_px, 4};
   Perception perception;
   std::uint64_t heap_calls = 0;  // of the perception thread, after stop()
 
@@ -123,6 +124,43 @@ TEST(Perception, TakesNothingFromTheHeap) {
   rig.stop();
   EXPECT_EQ(rig.heap_calls, 0u);
   EXPECT_EQ(rig.exchange->peers.size(), 0u);
+}
+
+// Somebody records: a copy of each frame, of the wheels' frames and of the poses is left in the
+// tap, as long as there is room; with or without, the thread goes on.
+TEST(Perception, LeavesCopiesInTheTapWithoutTheHeap) {
+  PerceptionRig rig;
+  rig.start();
+  rig.tap.start();
+  ASSERT_TRUE(rig.wait_for([](const auto& r) { return r.steps.frames >= 20; }));
+  EXPECT_GT(rig.tap.drops().frames, 0u) << "nobody took them out";
+  tap::TappedFrame frame;
+  CanFrame can;
+  tap::TappedPose pose;
+  std::uint64_t frames = 0;
+  Time last;
+  const auto take_all = [&] {
+    while (rig.tap.next(frame)) {
+      EXPECT_GT(frame.head.stamp, last);
+      last = frame.head.stamp;
+      ++frames;
+      rig.tap.give_back(frame);
+    }
+  };
+  ASSERT_TRUE(rig.wait_for([&](const auto& r) {
+    take_all();
+    return r.steps.frames >= 50;
+  }));
+  rig.stop();
+  take_all();
+  EXPECT_GT(frames, 20u);
+  ASSERT_TRUE(rig.tap.next(can));
+  EXPECT_EQ(can.id, agilex_v2::kOdometerId);
+  ASSERT_TRUE(rig.tap.next(pose));
+  EXPECT_GT(pose.stamp.ns, 0);
+  if (HeapGuard::works()) {
+    EXPECT_EQ(rig.heap_calls, 0u);
+  }
 }
 
 TEST(Perception, LostDevicesComeBackAndTheMapStays) {

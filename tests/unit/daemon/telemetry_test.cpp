@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "platform/daemon/telemetry_lines.h"
+#include "platform/linux/local_socket.h"
 #include "tests/support/line_reader.h"
 #include "tests/unit/tools/temporary_folder.h"
 

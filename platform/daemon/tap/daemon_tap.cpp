@@ -1,0 +1,43 @@
+#include "platform/daemon/tap/daemon_tap.h"
+
+#include <fstream>
+#include <sstream>
+
+#include "platform/daemon/version.h"
+#include "platform/linux/local_socket.h"
+#include "platform/linux/log.h"
+
+namespace zenith::tap {
+
+Hello describe_robot(const DaemonConfig& config, const Devices& devices) {
+  Hello hello;
+  hello.robot = config.name;
+  hello.software = std::string("zenithd ") + kVersion;
+  hello.devices = devices.description;
+  hello.config = devices.robot;
+  hello.odometry = config.odometry;
+  hello.can_interface = config.can_interface;
+  if (config.odometry.kind == WheelCodecKind::kDbc) {
+    std::ostringstream content;
+    content << std::ifstream(config.odometry.dbc.file, std::ios::binary).rdbuf();
+    hello.dbc = content.str();
+  }
+  return hello;
+}
+
+DaemonTap make_daemon_tap(const DaemonConfig& config, const Devices& devices) {
+  DaemonTap made;
+  if (!config.record.enabled) return made;
+  const Lens& lens = devices.robot.lens;
+  made.tap = std::make_unique<Tap>(lens.width_px, lens.height_px, config.record.frames);
+  made.server = std::make_unique<TapServer>(*made.tap, describe_robot(config, devices));
+  const Status opened = made.server->open(runtime_path(config.record.socket));
+  if (opened) {
+    log_line(LogLevel::kInfo, "record: %s", made.server->path().c_str());
+  } else {
+    log_line(LogLevel::kWarning, "%s; nobody can record", opened.error().message.c_str());
+  }
+  return made;
+}
+
+}  // namespace zenith::tap

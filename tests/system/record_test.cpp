@@ -1,0 +1,237 @@
+// `zenith record` of a running zenithd-sim, each a process of its own.
+
+#include <sys/socket.h>
+
+#include <array>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "platform/linux/local_socket.h"
+#include "platform/recording/layout.h"
+#include "platform/recording/recording.h"
+#include "tests/support/figure.h"
+#include "tests/support/line_reader.h"
+#include "tests/system/process.h"
+#include "tests/unit/tools/temporary_folder.h"
+
+namespace zenith {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+using tools::read_text;
+using tools::write_text;
+
+// Generous: the machine may be slow and do other work.
+constexpr double kLimit_s = 60.0;
+
+class RecordSystemTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    write_text(config_,
+               "[robot]\nname = \"ada\"\n[camera]\ndriver = \"simulated\"\n[odometry]\n"
+               "driver = \"simulated\"\n[telemetry]\nsocket = \"" +
+                   telemetry_ + "\"\n[record]\nframes = 8\nsocket = \"" + socket_ + "\"\n");
+  }
+
+  std::unique_ptr<Process> start_daemon() {
+    NotifySocket manager(notify_);
+    auto daemon = std::make_unique<Process>(
+        std::vector<std::string>{ZENITHD_SIM, "--config", config_}, path("daemon.txt"),
+        path("daemon-errors.txt"), std::vector<Environment>{{"NOTIFY_SOCKET", notify_}});
+    EXPECT_TRUE(manager.heard("READY=1", kLimit_s)) << read_text(path("daemon-errors.txt"));
+    EXPECT_TRUE(wait_until(kLimit_s, [&] { return frames_seen() >= 1; }));
+    return daemon;
+  }
+  // Of the map, by the daemon's telemetry.
+  std::uint64_t frames_seen() const { return line("health")["map"]["frames"]; }
+  // A new reader's first line of this type.
+  nlohmann::json line(const std::string& type) const {
+    LineReader reader(telemetry_);
+    for (int i = 0; i < 200; ++i) {
+      const auto json = nlohmann::json::parse(reader.next(), nullptr, false);
+      if (json.is_object() && json.value("type", "") == type) return json;
+    }
+    ADD_FAILURE() << "no line of type " << type;
+    return {};
+  }
+  // Missed ones that the perception thread's own work explains.
+  std::uint64_t own_misses() const {
+    const auto deadlines = line("deadlines");
+    return deadlines["missed"].get<std::uint64_t>() - deadlines["explained"].get<std::uint64_t>();
+  }
+
+  std::unique_ptr<Process> start_record(std::vector<std::string> more) {
+    std::vector<std::string> words = {ZENITH_TOOL, "record", out_};
+    words.insert(words.end(), more.begin(), more.end());
+    return std::make_unique<Process>(words, path("record.txt"), path("record-errors.txt"));
+  }
+  std::unique_ptr<Process> record_from_daemon(std::vector<std::string> more) {
+    more.insert(more.end(), {"--socket", socket_});
+    return start_record(std::move(more));
+  }
+  std::string said() const {
+    return read_text(path("record.txt")) + read_text(path("record-errors.txt"));
+  }
+  // Frames that are listed, in a folder that may still grow.
+  std::size_t listed() const {
+    const auto frames = read_frame_list(layout::frame_list(out_));
+    return frames.ok() ? frames->size() : 0;
+  }
+  bool wait_for_frames(std::size_t count) const {
+    return wait_until(kLimit_s, [&] { return listed() >= count; });
+  }
+  // Reads all of it; returns how many frames had wheels.
+  int read_back(int& frames) const {
+    frames = 0;
+    int with_wheels = 0;
+    auto recording = Recording::open(out_, {});
+    EXPECT_TRUE(recording.ok()) << recording.error().message;
+    if (!recording.ok()) return 0;
+    SourceFrame frame;
+    while (true) {
+      const auto more = (*recording)->next(frame);
+      EXPECT_TRUE(more.ok()) << more.error().message;
+      if (!more.ok() || !*more) break;
+      ++frames;
+      with_wheels += !frame.wheels.empty();
+    }
+    return with_wheels;
+  }
+
+  std::string path(const std::string& name) const { return (folder_.path() / name).string(); }
+
+  tools::TemporaryFolder folder_;
+  const std::string config_ = path("zenith.toml");
+  const std::string telemetry_ = path("telemetry.sock");
+  const std::string socket_ = path("record.sock");
+  const std::string notify_ = path("notify.sock");
+  const std::string out_ = path("rec");
+};
+
+TEST_F(RecordSystemTest, TheRunningRobotIsRecordedAndTheRecordingReplays) {
+  const auto daemon = start_daemon();
+  const std::uint64_t misses = own_misses();
+  const auto faults = line("health")["page_faults"];
+  const auto record = record_from_daemon({"--duration", "4"});
+  EXPECT_EQ(record->wait(kLimit_s), 0) << said();
+  EXPECT_EQ(own_misses(), misses) << "a step computed for longer because it was recorded";
+  print_figure("record: page faults of the perception thread before %s, after %s",
+               faults.dump().c_str(), line("health")["page_faults"].dump().c_str());
+  EXPECT_THAT(said(), HasSubstr("the duration is reached"));
+  int frames = 0;
+  const int with_wheels = read_back(frames);
+  EXPECT_GE(frames, 5);
+  EXPECT_GE(with_wheels, frames - 2) << "frames and wheels are of one clock and one time";
+
+  Process replay({ZENITH_TOOL, "replay", out_, "--out", path("map")}, path("replay.txt"),
+                 path("replay-errors.txt"));
+  EXPECT_EQ(replay.wait(4 * kLimit_s), 0) << read_text(path("replay-errors.txt"));
+  EXPECT_TRUE(fs::exists(path("map") + "/map.png"));
+  daemon->send(SIGTERM);
+  EXPECT_EQ(daemon->wait(kLimit_s), 0);
+  EXPECT_FALSE(fs::exists(socket_));
+}
+
+TEST_F(RecordSystemTest, WhatAKilledRecorderWroteIsARecordingAndTheRobotGoesOn) {
+  const auto daemon = start_daemon();
+  auto record = record_from_daemon({});
+  ASSERT_TRUE(wait_for_frames(5)) << said();
+  record->send(SIGKILL);
+  EXPECT_EQ(record->wait(kLimit_s), -1);
+  int frames = 0;
+  read_back(frames);
+  EXPECT_GE(frames, 5);
+
+  const std::uint64_t seen = frames_seen();
+  EXPECT_TRUE(wait_until(kLimit_s, [&] { return frames_seen() > seen + 3; }));
+  fs::remove_all(out_);
+  record = record_from_daemon({});
+  ASSERT_TRUE(wait_for_frames(3)) << said();
+  record->send(SIGINT);
+  EXPECT_EQ(record->wait(kLimit_s), 0) << said();
+  EXPECT_THAT(said(), HasSubstr("ended: stopped"));
+}
+
+TEST_F(RecordSystemTest, ASlowRecorderLosesFramesAndNobodyElseDoes) {
+  const auto daemon = start_daemon();
+  const auto record = record_from_daemon({});
+  ASSERT_TRUE(wait_for_frames(2)) << said();
+  record->send(SIGSTOP);
+  const std::uint64_t seen = frames_seen();
+  // More than the tap's eight slots and the socket hold.
+  EXPECT_TRUE(wait_until(kLimit_s, [&] { return frames_seen() > seen + 25; }));
+  record->send(SIGCONT);
+  ASSERT_TRUE(wait_for_frames(12)) << said();
+  record->send(SIGINT);
+  EXPECT_EQ(record->wait(kLimit_s), 0) << said();
+  EXPECT_THAT(said(), HasSubstr("frames are missing: this computer or its disk was too slow"));
+  int frames = 0;
+  read_back(frames);
+  EXPECT_GE(frames, 12);
+}
+
+TEST_F(RecordSystemTest, TheDaemonsEndEndsTheRecording) {
+  const auto daemon = start_daemon();
+  const auto record = record_from_daemon({});
+  ASSERT_TRUE(wait_for_frames(2)) << said();
+  daemon->send(SIGTERM);
+  EXPECT_EQ(daemon->wait(kLimit_s), 0);
+  EXPECT_EQ(record->wait(kLimit_s), 0) << said();
+  EXPECT_THAT(said(), HasSubstr("ended: the daemon ends"));
+}
+
+TEST_F(RecordSystemTest, ManyWhoConnectDoNotDisturb) {
+  const auto daemon = start_daemon();
+  const std::uint64_t misses = own_misses();
+  const std::uint64_t seen = frames_seen();
+  std::vector<UniqueFd> held;
+  for (int i = 0; i < 2000; ++i) {
+    int error = 0;
+    UniqueFd fd = connect_local(socket_, SOCK_STREAM, error);
+    if (fd.is_open() && i % 7 == 0) held.push_back(std::move(fd));
+    if (held.size() > 50) held.clear();
+  }
+  EXPECT_TRUE(wait_until(kLimit_s, [&] { return frames_seen() > seen + 10; }));
+  EXPECT_EQ(own_misses(), misses);
+  // One that only holds its place is let go when it takes nothing; here it leaves by itself.
+  held.clear();
+  for (int i = 0; i < 100 && listed() < 2; ++i) {
+    fs::remove_all(out_);
+    const auto record = record_from_daemon({"--duration", "1"});
+    if (record->wait(kLimit_s) != 0) {
+      EXPECT_THAT(said(), HasSubstr("is recording")) << i;
+    }
+  }
+  EXPECT_GE(listed(), 2u) << said();
+}
+
+TEST_F(RecordSystemTest, DevicesAreRecordedDirectlyOnlyWithoutADaemon) {
+  auto record = start_record({"--config", config_, "--duration", "1.5"});
+  EXPECT_EQ(record->wait(kLimit_s), 0) << said();
+  int frames = 0;
+  EXPECT_GE(read_back(frames), 1);
+  EXPECT_GE(frames, 3);
+
+  record = start_record({"--config", config_});
+  EXPECT_EQ(record->wait(kLimit_s), 1);
+  EXPECT_THAT(said(), HasSubstr("never overwritten"));
+
+  fs::remove_all(out_);
+  record = record_from_daemon({});
+  EXPECT_EQ(record->wait(kLimit_s), 1);
+  EXPECT_THAT(said(), HasSubstr("no running zenithd was found"));
+  EXPECT_FALSE(fs::exists(out_));
+
+  const auto daemon = start_daemon();
+  record = start_record({"--config", config_});
+  EXPECT_EQ(record->wait(kLimit_s), 1);
+  EXPECT_THAT(said(), HasSubstr("zenithd is running"));
+  EXPECT_FALSE(fs::exists(out_));
+}
+
+}  // namespace
+}  // namespace zenith
