@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "platform/base/byte_order.h"
+#include "platform/base/bytes.h"
 
 namespace zenith::tap {
 namespace {
@@ -27,7 +27,7 @@ std::size_t write_message(MessageType type, std::span<std::uint8_t> room, Fields
   if (room.size() < kHeaderBytes) return 0;
   ByteWriter writer(room.subspan(kHeaderBytes));
   fields(writer);
-  if (!writer.ok() || writer.size() > kMaxLength) return 0;
+  if (writer.failed() || writer.size() > kMaxLength) return 0;
   ByteWriter(room)
       .u32(static_cast<std::uint32_t>(writer.size()))
       .u8(static_cast<std::uint8_t>(type));
@@ -91,14 +91,14 @@ bool read_odometry(ByteReader& in, WheelCodecConfig& config) {
   if (!kind) return false;
   config.kind = *kind;
   const auto fields = wheel_codec_fields();
-  for (std::uint32_t left = in.u32(); left > 0 && in.ok(); --left) {
+  for (std::uint32_t left = in.u32(); left > 0 && !in.failed(); --left) {
     const std::string_view key = in.text();
     const std::uint8_t type = in.u8();
     const auto field = std::find_if(fields.begin(), fields.end(),
                                     [key](const WheelCodecField& f) { return f.key == key; });
     if (field == fields.end() || !std::visit(ReadValue{in, config, type}, field->at)) return false;
   }
-  return in.ok();
+  return !in.failed();
 }
 
 // --- the robot -----------------------------------------------------------------------------------
@@ -138,7 +138,7 @@ bool read_robot(ByteReader& in, RobotConfig& config) {
   Wheels& w = config.wheels;
   for (double* value : {&w.track_width_m, &w.left_scale, &w.right_scale}) *value = number();
   config.frame_rate_hz = number();
-  return good && config.frame_rate_hz > 0.0 && in.ok();
+  return good && config.frame_rate_hz > 0.0 && !in.failed();
 }
 
 }  // namespace
@@ -208,7 +208,7 @@ Result<Header> read_header(std::span<const std::uint8_t, kHeaderBytes> bytes) {
 
 Result<Hello> read_hello(std::span<const std::uint8_t> bytes) {
   ByteReader in(bytes);
-  const auto magic = in.bytes(kMagic.size());
+  const auto magic = in.take(kMagic.size());
   if (!std::equal(magic.begin(), magic.end(), kMagic.begin(), kMagic.end())) return wrong("hello");
   const std::uint16_t version = in.u16();
   if (version != kWireVersion) {
@@ -224,7 +224,7 @@ Result<Hello> read_hello(std::span<const std::uint8_t> bytes) {
   hello.can_interface = in.text();
   if (!read_odometry(in, hello.odometry)) return wrong("hello");
   hello.dbc = in.text();
-  if (!in.ok()) return wrong("hello");
+  if (in.failed()) return wrong("hello");
   return hello;  // later versions may add fields
 }
 
@@ -236,13 +236,13 @@ Result<FrameHead> read_frame(std::span<const std::uint8_t> bytes,
   head.sequence = in.u64();
   const std::uint32_t width = in.u32();
   const std::uint32_t height = in.u32();
-  if (!in.ok() || width < 1 || width > kMaxSide || height < 1 || height > kMaxSide ||
+  if (in.failed() || width < 1 || width > kMaxSide || height < 1 || height > kMaxSide ||
       in.left() != std::size_t{width} * height) {
     return wrong("frame");
   }
   head.width = static_cast<int>(width);
   head.height = static_cast<int>(height);
-  pixels = in.bytes(in.left());
+  pixels = in.take(in.left());
   return head;
 }
 
@@ -256,7 +256,7 @@ Status read_can(std::span<const std::uint8_t> bytes, std::vector<CanFrame>& fram
     frame.id = in.u32();
     frame.extended = in.u8() != 0;
     frame.length = in.u8();
-    const auto data = in.bytes(frame.data.size());
+    const auto data = in.take(frame.data.size());
     std::copy(data.begin(), data.end(), frame.data.begin());
     const std::uint32_t highest = frame.extended ? 0x1FFFFFFFU : 0x7FFU;
     if (frame.length > frame.data.size() || frame.id > highest) return wrong("can");
@@ -271,7 +271,7 @@ Result<TappedPose> read_pose(std::span<const std::uint8_t> bytes) {
   pose.stamp.ns = in.i64();
   pose.pose = {in.f64(), in.f64(), in.f64()};
   const Pose2& p = pose.pose;
-  if (!in.finished() || !std::isfinite(p.x_m + p.y_m + p.theta_rad)) return wrong("pose");
+  if (!in.done() || !std::isfinite(p.x_m + p.y_m + p.theta_rad)) return wrong("pose");
   return pose;
 }
 
@@ -283,7 +283,7 @@ Result<End> read_end(std::span<const std::uint8_t> bytes) {
     *count = in.u64();
   }
   end.why = in.text();
-  if (!in.ok()) return wrong("end");
+  if (in.failed()) return wrong("end");
   return end;
 }
 
