@@ -20,7 +20,8 @@ struct Settings {
   std::uint64_t seed = 0;  // of jitter
 
   // Bytes a second, all headers included: what is sent in any one second at most, and the part of
-  // it that changes of known landmarks may take.
+  // it that changes of known landmarks may take on average. At least 700 for each copy of what
+  // goes to everybody; with less, records or even states cannot be sent.
   std::uint32_t max_rate = 100'000;
   std::uint32_t news_rate = 20'000;
   // What one peer may send. It is held against its datagrams as they arrive, so it must be well

@@ -1,0 +1,101 @@
+#pragma once
+// The own map as it was told, and what is still to be told of it.
+//
+// Each landmark has what was told of it last, under its revision, and the newest state when that
+// differs. A change of what waits already replaces it. Landmarks that came and went untold are
+// never told of.
+// Removals stay, so that they can be asked for, until their room is needed: then the oldest one
+// is forgotten. A peer that never heard of it sees that the checksum differs, and asks for all.
+
+#include <cstdint>
+#include <span>
+
+#include "platform/base/arena.h"
+#include "slam/exchange/id_table.h"
+#include "slam/exchange/record_code.h"
+#include "slam/exchange/records_section.h"
+
+namespace zenith::exchange {
+
+class OwnRecords {
+ public:
+  void layout(Arena& arena);
+  void clear();
+
+  enum class Outcome { kTaken, kUntellable, kFull };
+  Outcome set(const LandmarkRecord& record);
+
+  std::uint32_t head() const { return head_; }  // highest revision that was told
+  std::uint32_t present() const { return present_; }
+  std::uint64_t checksum() const { return checksum_; }
+  std::uint64_t forgotten() const { return forgotten_; }  // removals
+
+  // What waits: landmarks that nobody knows yet and removals, then changes.
+  enum class Queue { kNew, kChanged };
+  std::size_t waiting(Queue queue) const { return queues_[index(queue)].count; }
+  std::size_t waiting_bytes(Queue queue) const { return queues_[index(queue)].bytes; }
+  // The next one's bytes; 0: none.
+  std::size_t next_bytes(Queue queue) const;
+  // Tells the next one under revision head() + 1: appends it to `out`, where it must fit.
+  void tell_next(Queue queue, RecordsWriter& out);
+  // All that waits gets its revisions as if it had been sent: for when there is nobody to hear it.
+  // Whoever comes asks for it.
+  void tell_nobody();
+
+  // Appends what was told in `range`, by rising revision, as far as it fits. Returns the last
+  // revision that is covered by what was written; range.first - 1 when nothing is.
+  std::uint32_t write_told(Range range, RecordsWriter& out) const;
+
+ private:
+  struct Entry {
+    std::uint32_t id = 0;
+    std::uint32_t revision = 0;  // under which `told` was told; 0: never
+    bool told_removed = false;
+    bool newest_removed = false;
+    bool waits = false;      // `newest` is to be told
+    std::int8_t queue = -1;  // where it stands, perhaps without waiting any more
+    EncodedRecord told;
+    EncodedRecord newest;
+  };
+  struct Told {  // entry's revision differs: it was told again later
+    std::uint32_t revision = 0;
+    std::int32_t entry = 0;
+  };
+  // First in, first out; an entry stands in one of them at most once.
+  struct Ring {
+    std::span<std::int32_t> slots;
+    std::size_t first = 0;
+    std::size_t count = 0;
+    std::size_t bytes = 0;  // of those that wait
+  };
+
+  static std::size_t index(Queue queue) { return static_cast<std::size_t>(queue); }
+  static std::uint32_t told_present(const Entry& e) {
+    return e.revision != 0 && !e.told_removed ? 1 : 0;
+  }
+  Entry& entry(std::int32_t i) { return entries_[static_cast<std::size_t>(i)]; }
+  const Entry& entry(std::int32_t i) const { return entries_[static_cast<std::size_t>(i)]; }
+  std::int32_t enter(std::uint32_t id);
+  void release(std::int32_t i);
+  bool forget_a_removal();
+  void wait(std::int32_t i);
+  void wait_no_more(std::int32_t i);
+  void trim(Ring& ring);
+  std::int32_t pop(Ring& ring);
+  const Entry& tell_front(Ring& ring);
+  void note_told(std::int32_t i);
+
+  std::span<Entry> entries_;
+  std::span<std::int32_t> free_;  // a stack
+  std::size_t free_count_ = 0;
+  IdTable table_;
+  std::array<Ring, 2> queues_;
+  std::span<Told> told_;  // by rising revision
+  std::size_t told_count_ = 0;
+  std::uint32_t head_ = 0;
+  std::uint32_t present_ = 0;
+  std::uint64_t checksum_ = 0;
+  std::uint64_t forgotten_ = 0;
+};
+
+}  // namespace zenith::exchange
