@@ -41,20 +41,36 @@ inline constexpr int kMaxCandidates = 512;
 // Wheel samples kept for interpolation: 2 s at 100 Hz and a margin.
 inline constexpr int kMaxWheelSamples = 256;
 
-// Peers, the landmarks kept of each, and the looks of a landmark that travel.
-inline constexpr int kMaxPeers = 8;
-inline constexpr int kMaxPeerLandmarks = 4096;
+// Peers' maps: of a fleet of 64, and some that were left behind when their robots began anew.
+inline constexpr int kMaxPeers = 80;
+
+// Landmarks kept of one peer: as many as it may have itself. All peers share one pool, handed out
+// in blocks: four whole maps, or 80 of a single room (256 landmarks) each.
+inline constexpr int kMaxPeerLandmarks = kMaxLandmarks;
+inline constexpr int kPeerBlock = 128;
+inline constexpr int kPeerBlocks = 160;
+inline constexpr int kPeerLandmarkPool = kPeerBlock * kPeerBlocks;
+
+// The looks of a landmark that travel.
 inline constexpr int kPublishedAppearances = 8;
 
-// Alignments under test with one peer, and pairs of landmarks that hold an alignment.
+// Alignments under test with one peer; pairs of landmarks that hold an alignment. All peers share
+// one pool: each may have kMaxHypotheses, and when no more than the reserve is left only
+// kFewHypotheses, so that everybody has some: the leader, one under test and a rival.
 inline constexpr int kMaxHypotheses = 16;
+inline constexpr int kFewHypotheses = 3;
+inline constexpr int kHypothesisReserve = (kMaxPeers + 1) * kFewHypotheses;
+inline constexpr int kHypothesisPool = 384;
 inline constexpr int kMaxCorrespondences = 1024;
+
+// Robots in a joint replay (stacked updates).
+inline constexpr int kMaxObservers = 9;
 
 // Robots that this one exchanges maps with at the same time: a fleet of 64.
 inline constexpr int kMaxSessions = 63;
 
-// Peers' maps that are followed: one of each robot in the fleet, and one old map of each.
-inline constexpr int kMaxReplicas = 2 * kMaxSessions;
+// Peers' maps that are followed: those that the core keeps.
+inline constexpr int kMaxReplicas = kMaxPeers;
 
 // Own records that can be asked for: all landmarks, and removals that peers may not know yet.
 inline constexpr int kMaxOwnRecords = kMaxLandmarks + kMaxRemovals;
@@ -65,9 +81,13 @@ inline constexpr int kMaxForeignRecords = 65536;
 inline constexpr int kMaxRecordsOfPeer = kMaxOwnRecords;
 
 static_assert(kMaxForeignRecords >= 1024 * kMaxSessions);
-static_assert(kMaxForeignRecords >= kMaxPeers * kMaxRecordsOfPeer, "as many as the core keeps");
+static_assert(kMaxForeignRecords >= kPeerLandmarkPool, "as many as the core keeps");
 static_assert(kPublishedAppearances <= kMaxAppearances);
 static_assert(kAppearancePool >= kMaxLandmarks, "every landmark has at least one look");
+static_assert(kPeerLandmarkPool >= 4 * kMaxPeerLandmarks + kMaxLandmarks,
+              "and the own map, which is searched for repetitions as if it were a peer's");
+static_assert(kMaxPeerLandmarks % kPeerBlock == 0);
+static_assert(kHypothesisPool >= kHypothesisReserve + 8 * kMaxHypotheses);
 static_assert(kMaxParticles % kRowAlign == 0);
 static_assert(kCompactLength < kPatchLength);
 

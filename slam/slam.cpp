@@ -121,6 +121,11 @@ void Slam::receive(int peer, std::span<const LandmarkRecord> records) {
   state_->fleet.receive(peer, records);
 }
 
+void Slam::forget(int peer) {
+  assert(peer >= 0 && peer < kMaxPeers);
+  state_->fleet.forget(peer);
+}
+
 void Slam::offer_alignment(int peer, const Pose2& T_own_peer) {
   assert(peer >= 0 && peer < kMaxPeers);
   state_->fleet.offer_alignment(peer, T_own_peer);

@@ -74,6 +74,10 @@ class Slam {
   // A peer's records. `peer` is a slot in [0, kMaxPeers).
   void receive(int peer, std::span<const LandmarkRecord> records);
 
+  // The peer in this slot is no more: its map and all that was made of it go. The slot may become
+  // another peer's.
+  void forget(int peer);
+
   // A peer has merged with this robot; `T_own_peer` is the inverse of what it found. The offer is
   // tested map against map before it counts.
   void offer_alignment(int peer, const Pose2& T_own_peer);

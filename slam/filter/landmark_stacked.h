@@ -21,8 +21,6 @@
 
 namespace zenith {
 
-inline constexpr int kMaxObservers = kMaxPeers + 1;
-
 struct StackedObservation {
   CameraRows camera;
   float zx = 0.0F;

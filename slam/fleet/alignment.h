@@ -23,8 +23,8 @@ struct Alignment {
   int peer = 0;  // slot, as given to receive()
   AlignmentState state = AlignmentState::kCandidate;
   Pose2 T_own_peer;
-  Eigen::Matrix3d covariance;  // over (x, y, theta)
-  double confidence = 0.0;     // Eq. 4, corrected
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  // over (x, y, theta)
+  double confidence = 0.0;                               // Eq. 4, corrected
   int correspondences = 0;
 };
 

@@ -10,9 +10,8 @@
 #include "platform/base/arena.h"
 #include "slam/fleet/alignment.h"
 #include "slam/fleet/hough.h"
-#include "slam/fleet/hypothesis.h"
 #include "slam/fleet/overlap.h"
-#include "slam/fleet/peer_map.h"
+#include "slam/fleet/peer.h"
 #include "slam/parameters.h"
 
 namespace zenith {
@@ -36,26 +35,6 @@ struct DecisionSettings {
   double map_hit_share = 0.6;
 };
 
-class Peer {
- public:
-  void layout(Arena& arena);
-
-  PeerMap map;
-  bool known = false;
-  Alignment alignment;  // of the leading hypothesis, or the merged one
-  int leader = -1;
-  bool merged = false;
-  std::span<Hypothesis> hypotheses;  // kMaxHypotheses
-  std::span<Correspondence> pairs;   // of the leader, for readers
-  std::size_t pair_count = 0;
-  bool search_due = false;
-
-  // The search for duplicates walks through the peer's landmarks.
-  int sweep = 0;
-  Support swept;     // of this walk
-  int offered = -1;  // hypothesis under test: the leader, or what the peer says
-};
-
 class Fleet {
  public:
   void layout(Arena& arena);
@@ -67,6 +46,9 @@ class Fleet {
   void offer_alignment(int peer, const Pose2& T_own_peer);
   // What this robot publishes: its own map as others know it, to see where it repeats itself.
   void receive_own(std::span<const LandmarkRecord> records);
+
+  // The peer's map and all that was made of it; its slot may become another peer's.
+  void forget(int peer) { peers_[static_cast<std::size_t>(peer)].forget(); }
 
   // One used frame of the robot. Searches when it has moved far enough since the last search.
   void update(const ObservedFrame& frame, const Map& map, const Pose2& T_own_robot,
@@ -86,11 +68,11 @@ class Fleet {
   void search(Peer& peer, const ObservedFrame& frame, const Map& map, const Pose2& T_own_robot);
   void propose(Peer& peer, const ObservedFrame& frame, const Pose2& T_own_robot);
   void test(Peer& peer, const ObservedFrame& frame, const Map& map, const Pose2& T_own_robot);
+  static void drop_twins(Peer& peer, const Eigen::Vector2d& at);
   void decide(Peer& peer, const Pose2& T_own_robot);
   Peer& self() { return peers_[kMaxPeers]; }
   const Peer& self() const { return peers_[kMaxPeers]; }
   bool is_self(const Peer& peer) const { return &peer == &self(); }
-  void search_duplicates(Peer& peer, const Map& map, Hypothesis& hypothesis);
   void report();
 
   OverlapSettings overlap_;
@@ -101,7 +83,11 @@ class Fleet {
   double searched_at_m_ = -1e9;
   double travelled_m_ = 0.0;
   HoughSearch hough_;
-  std::span<Peer> peers_;  // kMaxPeers, and the robot itself behind them
+  PeerLandmarkPool landmarks_;
+  HypothesisPool hypotheses_;
+  std::span<Peer> peers_;     // kMaxPeers, and the robot itself behind them
+  std::size_t searched_ = 0;  // peer whose turn it was
+  std::size_t compared_ = 0;
   std::span<OverlapMatches> matches_;
   std::span<PlaceFixes> fixes_;
   FixedVector<Alignment, kMaxPeers> alignments_;

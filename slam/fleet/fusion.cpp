@@ -44,7 +44,8 @@ std::size_t read_common_map(const Map& map, const Fleet& fleet, std::span<FusedL
     const Peer& peer = fleet.peers()[slot];
     if (!peer.merged) continue;
     const auto pairs = std::span<const Correspondence>(peer.pairs).first(peer.pair_count);
-    for (const PeerLandmark& l : peer.map.landmarks()) {
+    for (int i = 0; i < peer.map.size(); ++i) {
+      const PeerLandmark& l = peer.map[i];
       if (!l.present) continue;
       const LandmarkEstimate theirs =
           transform_landmark(l, peer.alignment.T_own_peer, peer.alignment.covariance);

@@ -31,11 +31,10 @@ using NearSlots = FixedVector<std::int32_t, 1024>;
 
 NearSlots landmarks_near(const PeerMap& peer, const Eigen::Vector2d& place, double reach_m) {
   NearSlots near;
-  const auto landmarks = peer.landmarks();
-  for (std::size_t slot = 0; slot < landmarks.size(); ++slot) {
-    const PeerLandmark& l = landmarks[slot];
+  for (int slot = 0; slot < peer.size(); ++slot) {
+    const PeerLandmark& l = peer[slot];
     if (!l.present || (l.xy() - place).squaredNorm() > reach_m * reach_m) continue;
-    if (!near.push_back(static_cast<std::int32_t>(slot))) break;
+    if (!near.push_back(slot)) break;
   }
   return near;
 }

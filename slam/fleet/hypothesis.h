@@ -33,7 +33,6 @@ struct Support {
 struct Hypothesis {
   static constexpr int kWindow = 8;  // searches remembered
 
-  bool used = false;
   Pose2 T_own_peer;
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();
   double scatter = 1.0;  // mean squared distance of the pairs, per residual

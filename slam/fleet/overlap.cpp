@@ -28,21 +28,19 @@ LookMatch best_look(const PeerLandmark& landmark, const CompactPatch& patch) {
 void find_overlap(const ObservedFrame& frame, const PeerMap& peer, const OverlapSettings& settings,
                   OverlapMatches& out) {
   out.clear();
-  const auto landmarks = peer.landmarks();
   for (std::size_t i = 0; i < frame.size(); ++i) {
     const Observed& own = frame[i];
     FixedVector<OverlapMatch, kMatchesPerObserved> best;
     int similar = 0;
-    for (std::size_t slot = 0; slot < landmarks.size(); ++slot) {
-      const PeerLandmark& l = landmarks[slot];
+    for (int slot = 0; slot < peer.size(); ++slot) {
+      const PeerLandmark& l = peer[slot];
       if (!l.present || !heights_agree(own, l, settings.height_tolerance_m)) continue;
       const LookMatch look = best_look(l, own.compact);
       if (look.ncc < settings.ncc_min) continue;
       ++similar;
       const auto heading = static_cast<float>(
           wrap_angle(static_cast<double>(look.direction_rad - own.orientation_rad)));
-      const OverlapMatch match = {static_cast<int>(i), static_cast<int>(slot), look.ncc, heading,
-                                  0.0F};
+      const OverlapMatch match = {static_cast<int>(i), slot, look.ncc, heading, 0.0F};
       if (best.push_back(match)) continue;
       auto* worst = std::min_element(best.begin(), best.end(),
                                      [](const auto& a, const auto& b) { return a.ncc < b.ncc; });

@@ -36,42 +36,57 @@ bool plausible(const LandmarkRecord& r) {
 
 }  // namespace
 
-void PeerMap::layout(Arena& arena) {
-  landmarks_ = arena.take<PeerLandmark>(kMaxPeerLandmarks);
-  slot_of_ = arena.take<std::int32_t>(kBuckets);
+void PeerMap::layout(Arena& arena, PeerLandmarkPool& pool) {
+  pool_ = &pool;
+  slot_of_ = arena.take<std::int16_t>(kBuckets);
+}
+
+void PeerMap::clear() {
+  for (int i = 0; i < block_count_; ++i) {
+    pool_->give_back(block_numbers_[static_cast<std::size_t>(i)]);
+  }
+  block_count_ = 0;
+  count_ = 0;
+  std::fill(slot_of_.begin(), slot_of_.end(), std::int16_t{0});
 }
 
 std::size_t PeerMap::bucket(std::uint32_t id) const {
   std::size_t b = home_of(id);
-  while (slot_of_[b] != 0 && landmarks_[static_cast<std::size_t>(slot_of_[b] - 1)].id != id) {
-    b = (b + 1) % kBuckets;
-  }
+  while (slot_of_[b] != 0 && (*this)[slot_of_[b] - 1].id != id) b = (b + 1) % kBuckets;
   return b;
+}
+
+// A slot that holds no landmark yet, or -1.
+int PeerMap::new_slot() {
+  if (count_ == kMaxPeerLandmarks) return -1;
+  if (count_ == block_count_ * kPeerBlock) {
+    const int block = pool_->take();
+    if (block < 0) return -1;
+    block_numbers_[static_cast<std::size_t>(block_count_)] = static_cast<std::int16_t>(block);
+    blocks_[static_cast<std::size_t>(block_count_++)] = pool_->block(block).data();
+  }
+  return count_++;
 }
 
 // The entry of a new landmark, or null when the map is full of present ones.
 PeerLandmark* PeerMap::enter(std::uint32_t id) {
-  std::size_t slot = count_;
-  if (count_ < landmarks_.size()) {
-    ++count_;
-  } else {
-    const auto gone = std::find_if(landmarks_.begin(), landmarks_.end(),
-                                   [](const PeerLandmark& l) { return !l.present; });
-    if (gone == landmarks_.end()) return nullptr;
-    slot = static_cast<std::size_t>(gone - landmarks_.begin());
-    forget(gone->id);
+  int slot = new_slot();
+  if (slot < 0) {
+    for (slot = 0; slot < count_ && (*this)[slot].present;) ++slot;
+    if (slot == count_) return nullptr;
+    forget((*this)[slot].id);
   }
-  landmarks_[slot] = PeerLandmark{};
-  landmarks_[slot].id = id;
-  slot_of_[bucket(id)] = static_cast<std::int32_t>(slot + 1);
-  return &landmarks_[slot];
+  at(slot) = PeerLandmark{};
+  at(slot).id = id;
+  slot_of_[bucket(id)] = static_cast<std::int16_t>(slot + 1);
+  return &at(slot);
 }
 
 // Takes an id out of the hash table; those behind it move up, so that they are still found.
 void PeerMap::forget(std::uint32_t id) {
   std::size_t hole = bucket(id);
   for (std::size_t b = (hole + 1) % kBuckets; slot_of_[b] != 0; b = (b + 1) % kBuckets) {
-    const std::size_t home = home_of(landmarks_[static_cast<std::size_t>(slot_of_[b] - 1)].id);
+    const std::size_t home = home_of((*this)[slot_of_[b] - 1].id);
     const bool reachable = (b + kBuckets - home) % kBuckets < (b + kBuckets - hole) % kBuckets;
     if (reachable) continue;
     slot_of_[hole] = slot_of_[b];
@@ -86,8 +101,7 @@ bool PeerMap::apply(const LandmarkRecord& r) {
     return false;
   }
   const std::size_t b = bucket(r.id);
-  PeerLandmark* entry =
-      slot_of_[b] != 0 ? &landmarks_[static_cast<std::size_t>(slot_of_[b] - 1)] : enter(r.id);
+  PeerLandmark* entry = slot_of_[b] != 0 ? &at(slot_of_[b] - 1) : enter(r.id);
   if (entry == nullptr) {
     ++rejected_;
     return false;

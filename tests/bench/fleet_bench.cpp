@@ -17,7 +17,8 @@ class FleetRig {
  public:
   explicit FleetRig(int landmarks)
       : block_([this](Arena& arena) {
-          peer_.layout(arena);
+          pool_.layout(arena);
+          peer_.layout(arena, pool_);
           hough_.layout(arena);
           matches_ = arena.take<OverlapMatches>(1);
         }) {
@@ -74,6 +75,7 @@ class FleetRig {
   Random random_{3};
   std::vector<Feature> looks_;
   ObservedFrame frame_;
+  PeerLandmarkPool pool_;
   PeerMap peer_;
   HoughSearch hough_;
   std::span<OverlapMatches> matches_;

@@ -39,8 +39,9 @@ TEST(PeerMapProperty, LastRevisionWinsInAnyOrderOfArrival) {
     }
     point_world::PeerRig rig;
     for (const LandmarkRecord& r : sent) ASSERT_TRUE(rig.map.apply(r));
-    ASSERT_EQ(rig.map.landmarks().size(), last.size());
-    for (const PeerLandmark& l : rig.map.landmarks()) {
+    ASSERT_EQ(static_cast<std::size_t>(rig.map.size()), last.size());
+    for (int slot = 0; slot < rig.map.size(); ++slot) {
+      const PeerLandmark& l = rig.map[slot];
       const LandmarkRecord& expected = last.at(l.id);
       ASSERT_EQ(l.revision, expected.revision) << "trial " << trial;
       ASSERT_EQ(l.present, !expected.removed) << "trial " << trial;

@@ -79,7 +79,7 @@ void Member::read_maps() {
   log_.landmarks.resize(kMaxLandmarks);
   log_.landmarks.resize(slam_->landmarks(log_.landmarks));
   if (partners_.empty()) {
-    log_.fused.resize(kMaxLandmarks + std::size_t{kMaxPeers} * kMaxPeerLandmarks);
+    log_.fused.resize(std::size_t{kMaxLandmarks} + kPeerLandmarkPool);
     log_.fused.resize(slam_->fused_landmarks(log_.fused));
     return;
   }

@@ -23,8 +23,8 @@ Status check_cameras(std::span<const std::unique_ptr<Source>> sources) {
 
 Status check_team(std::span<const std::unique_ptr<Source>> sources) {
   if (sources.empty()) return Error{"a run needs at least one robot"};
-  if (sources.size() > std::size_t{kMaxPeers} + 1) {
-    return Error{"a team has at most " + std::to_string(kMaxPeers + 1) + " robots, found " +
+  if (sources.size() > std::size_t{kMaxObservers}) {
+    return Error{"a team has at most " + std::to_string(kMaxObservers) + " robots, found " +
                  std::to_string(sources.size())};
   }
   return {};

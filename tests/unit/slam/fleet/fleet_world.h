@@ -58,8 +58,12 @@ inline void observe_near(const PointWorld& world, const Pose2& T_world_robot, do
 
 // A peer that knows the whole world; slot i is landmark i.
 struct PeerRig {
+  PeerLandmarkPool pool;
   PeerMap map;
-  ArenaBlock block{[this](Arena& arena) { map.layout(arena); }};
+  ArenaBlock block{[this](Arena& arena) {
+    pool.layout(arena);
+    map.layout(arena, pool);
+  }};
 
   PeerRig() = default;
   PeerRig(const PointWorld& world, const Pose2& T_peer_world) {

@@ -33,7 +33,7 @@ TEST(PeerMap, KeepsWhatItIsTold) {
   PeerRig rig;
   EXPECT_TRUE(rig.map.empty());
   EXPECT_TRUE(rig.map.apply(record(7, 3, 1.5F)));
-  ASSERT_EQ(rig.map.landmarks().size(), 1U);
+  ASSERT_EQ(rig.map.size(), 1);
   const PeerLandmark& l = rig.map[0];
   EXPECT_EQ(l.id, 7U);
   EXPECT_TRUE(l.present);
@@ -102,7 +102,7 @@ TEST(PeerMap, FullRejectsNewOnesAndUpdatesOldOnes) {
   EXPECT_EQ(rig.map.rejected(), 1U);
   EXPECT_TRUE(rig.map.apply(record(7, 2, 0.75F)));
   EXPECT_EQ(rig.map[0].x_m, 0.75F);
-  EXPECT_EQ(rig.map.landmarks().size(), static_cast<std::size_t>(kMaxPeerLandmarks));
+  EXPECT_EQ(rig.map.size(), kMaxPeerLandmarks);
 }
 
 // Removed ones give their room to new ones; everybody else is still found.
@@ -130,9 +130,50 @@ TEST(PeerMap, FullOfRemovedOnesTakesNewOnes) {
     ASSERT_TRUE(rig.map.apply(record(id_of(n), 7, 0.5F)));
   }
   std::size_t found = 0;
-  for (const PeerLandmark& l : rig.map.landmarks()) found += l.present && l.revision == 7 ? 1 : 0;
+  for (int i = 0; i < rig.map.size(); ++i) {
+    found += rig.map[i].present && rig.map[i].revision == 7 ? 1 : 0;
+  }
   EXPECT_EQ(found, present.size());
   EXPECT_EQ(rig.map.rejected(), 0U);
+}
+
+// Two maps of one pool: what one gives back the other may have.
+struct SharedPool {
+  PeerLandmarkPool pool;
+  std::array<PeerMap, 6> maps;
+  ArenaBlock block{[this](Arena& arena) {
+    pool.layout(arena);
+    for (PeerMap& map : maps) map.layout(arena, pool);
+  }};
+
+  void fill(PeerMap& map, int landmarks) {
+    for (int i = 0; i < landmarks; ++i) map.apply(record(static_cast<std::uint32_t>(i) + 1, 1, 0));
+  }
+};
+
+TEST(PeerMap, APoolThatIsEmptyRejectsUntilSomebodyGivesBack) {
+  SharedPool rig;
+  const int half = kMaxPeerLandmarks / 2;
+  for (PeerMap& map : rig.maps) rig.fill(map, &map == &rig.maps[0] ? half : kMaxPeerLandmarks);
+  EXPECT_EQ(rig.pool.free_blocks(), 0U);
+  PeerMap& last = rig.maps.back();
+  EXPECT_EQ(last.size(), kPeerLandmarkPool - half - 4 * kMaxPeerLandmarks);
+  EXPECT_EQ(last.rejected(), static_cast<std::uint64_t>(kMaxPeerLandmarks - last.size()));
+  rig.maps[1].clear();
+  EXPECT_TRUE(rig.maps[1].empty());
+  EXPECT_EQ(rig.pool.free_blocks(), static_cast<std::size_t>(kMaxPeerLandmarks / kPeerBlock));
+  EXPECT_TRUE(last.apply(record(kMaxPeerLandmarks, 1, 4.0F)));
+  EXPECT_EQ(last[last.size() - 1].x_m, 4.0F);
+  EXPECT_EQ(rig.maps[0][17].id, 18U) << "others keep theirs";
+}
+
+TEST(PeerMap, AClearedMapKnowsNothingOfBefore) {
+  SharedPool rig;
+  rig.maps[0].apply(record(5, 9, 1.0F));
+  rig.maps[0].clear();
+  EXPECT_TRUE(rig.maps[0].apply(record(5, 1, 2.0F)));  // an older revision: another map's
+  ASSERT_EQ(rig.maps[0].size(), 1);
+  EXPECT_EQ(rig.maps[0][0].x_m, 2.0F);
 }
 
 }  // namespace
