@@ -38,6 +38,11 @@ void SimulatedCamera::deliver(Time stamp, std::span<const std::uint8_t> pixels) 
   (void)!::write(event_.get(), &one, sizeof one);
 }
 
+void SimulatedCamera::deliver_damaged() {
+  const std::uint64_t number = sent_++;
+  if (streaming_.load(std::memory_order_acquire)) filled_.push({kDamaged, {}, number});
+}
+
 Status SimulatedCamera::open() {
   close();
   if (!event_.is_open()) return Error{"simulated camera: no eventfd: " + errno_text(errno)};
@@ -46,7 +51,7 @@ Status SimulatedCamera::open() {
   }
   // What came before is old.
   Filled old;
-  while (filled_.pop(old)) free_.push(old.buffer);
+  while (filled_.pop(old)) give_back(old);
   counting_ = false;
   lost_reason_ = "";
   ++counters_.opened;
@@ -61,22 +66,28 @@ void SimulatedCamera::close() {
   lost_reason_ = "the camera is not open";
 }
 
+void SimulatedCamera::give_back(const Filled& frame) {
+  if (frame.buffer != kDamaged) free_.push(frame.buffer);
+}
+
 void SimulatedCamera::give_back_held() {
-  if (holds_) free_.push(held_.buffer);
+  if (holds_) give_back(held_);
   holds_ = false;
 }
 
 bool SimulatedCamera::take_newest() {
   Filled next;
   while (filled_.pop(next)) {
-    if (holds_) {
-      free_.push(held_.buffer);
-      ++counters_.skipped;
-    }
     if (!counting_) first_number_ = next_number_ = next.number;
     counting_ = true;
     counters_.lost_in_driver += next.number - next_number_;
     next_number_ = next.number + 1;
+    if (next.buffer == kDamaged) {
+      ++counters_.damaged;
+      continue;
+    }
+    if (holds_) ++counters_.skipped;
+    give_back_held();
     held_ = next;
     holds_ = true;
   }

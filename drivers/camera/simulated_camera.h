@@ -29,6 +29,8 @@ class SimulatedCamera final : public Camera {
 
   // The sender's side, one thread. Waits for nobody.
   void deliver(Time stamp, std::span<const std::uint8_t> pixels);
+  // A frame that cannot be used: it is counted, and its number is used up.
+  void deliver_damaged();
   // False: pulled out; open() fails until it is plugged in again. Any one thread.
   void set_plugged(bool plugged) { plugged_.store(plugged, std::memory_order_release); }
 
@@ -41,12 +43,15 @@ class SimulatedCamera final : public Camera {
   const CameraCounters& counters() const override { return counters_; }
 
  private:
+  static constexpr int kDamaged = -1;  // instead of a buffer
+
   struct Filled {
-    int buffer = 0;
+    int buffer = kDamaged;
     Time stamp;
     std::uint64_t number = 0;
   };
 
+  void give_back(const Filled& frame);
   void give_back_held();
   bool take_newest();
 

@@ -156,6 +156,22 @@ void swap_wheels(dbc::Codec& codec) {
 
 }  // namespace
 
+WheelQuantity wheel_quantity(const WheelCodecConfig& config) {
+  switch (config.kind) {
+    case WheelCodecKind::kAgilexV2:
+      return WheelQuantity::kPosition;
+    case WheelCodecKind::kOdrive:
+      return config.odrive.quantity;
+    case WheelCodecKind::kVesc:
+      return config.vesc.quantity;
+    case WheelCodecKind::kCanopen:
+      return config.canopen.quantity;
+    case WheelCodecKind::kDbc:
+      return config.dbc.quantity;
+  }
+  return WheelQuantity::kPosition;
+}
+
 Result<WheelDecoder> make_wheel_decoder(const WheelCodecConfig& config) {
   Problems problems(config.kind);
   check_ranges(config, problems);

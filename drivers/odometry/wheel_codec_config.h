@@ -41,6 +41,8 @@ std::optional<WheelCodecKind> find_wheel_codec(std::string_view name);
 // "agilex_v2, odrive, ...", for messages.
 std::string wheel_codec_names();
 
+// What the base's readings are.
+WheelQuantity wheel_quantity(const WheelCodecConfig& config);
 // "position" and "velocity" in files.
 std::string_view wheel_quantity_name(WheelQuantity quantity);
 std::optional<WheelQuantity> find_wheel_quantity(std::string_view name);

@@ -25,8 +25,9 @@ Settings live(Settings settings) {
 Settings camera_settings(DaemonConfig& c) {
   return {
       {"camera.driver", "", 0, 0,
-       "v4l2: a camera of the kernel; simulated: a made-up building, see [simulation]",
-       choice_of(c.camera_driver, {"v4l2", "simulated"})},
+       "v4l2: a camera of the kernel; simulated: a made-up building, see [simulation]; replay: a "
+       "recording, see [replay]",
+       choice_of(c.camera_driver, {"v4l2", "simulated", "replay"})},
       {"camera.device", "", 0, 0,
        "/dev/video0, /dev/v4l/by-id/..., \"name:PART of the card's name\" or \"bus:PART of the "
        "bus information\"; the last three find it again when its number has changed",
@@ -85,8 +86,9 @@ Settings mount_settings(MountConfig& mount) {
 
 Settings device_settings(DaemonConfig& c) {
   Settings settings = {
-      {"odometry.driver", "", 0, 0, "socketcan: an interface of the kernel; simulated",
-       choice_of(c.odometry_driver, {"socketcan", "simulated"})},
+      {"odometry.driver", "", 0, 0,
+       "socketcan: an interface of the kernel; simulated and replay: as the camera",
+       choice_of(c.odometry_driver, {"socketcan", "simulated", "replay"})},
       {"odometry.can_interface", "", 0, 0, "brought up by the system, not by zenithd",
        &c.can_interface},
   };
@@ -181,17 +183,38 @@ Settings simulation_settings(SimulationConfig& simulation) {
   };
 }
 
+Settings replay_settings(ReplayConfig& replay) {
+  return {
+      {"replay.folder", "", 0, 0, "of the recording; a relative one begins at this file's folder",
+       &replay.folder},
+      {"replay.speed", "", 0.1, 10,
+       "1: as recorded; other speeds need a base that reports positions", &replay.speed},
+      {"replay.loop", "", 0, 0,
+       "at the end begin anew, for endurance tests: the robot does not know that it was carried "
+       "back; else it stands",
+       &replay.loop},
+  };
+}
+
 // --- relations between keys ----------------------------------------------------------------------
 
 void check_devices(const DaemonConfig& c, const KeyLines& lines, Problems& problems) {
-  const bool simulated_can = c.odometry_driver == OdometryDriver::kSimulated;
-  if (c.is_simulated() != simulated_can) {
-    problems.add(lines.of(c.is_simulated() ? "camera.driver" : "odometry.driver"),
-                 "camera.driver and odometry.driver: either both are simulated or neither: one "
-                 "robot has one world");
+  const auto check_pair = [&](CameraDriver camera, OdometryDriver odometry, const char* name) {
+    const bool camera_is = c.camera_driver == camera;
+    if (camera_is == (c.odometry_driver == odometry)) return;
+    problems.add(lines.of(camera_is ? "camera.driver" : "odometry.driver"),
+                 std::string("camera.driver and odometry.driver: either both are \"") + name +
+                     "\" or neither: one robot has one world");
+  };
+  check_pair(CameraDriver::kSimulated, OdometryDriver::kSimulated, "simulated");
+  check_pair(CameraDriver::kReplay, OdometryDriver::kReplay, "replay");
+  if (c.camera_driver == CameraDriver::kReplay && c.replay.folder.empty()) {
+    problems.add(lines.of("camera.driver"),
+                 "camera.driver = \"replay\" needs replay.folder, the folder of a recording");
   }
   const int codec = lines.of("odometry.codec");
-  if (simulated_can && c.odometry.kind != WheelCodecKind::kAgilexV2) {
+  if (c.odometry_driver == OdometryDriver::kSimulated &&
+      c.odometry.kind != WheelCodecKind::kAgilexV2) {
     problems.add(codec, "odometry.codec: simulated robots speak agilex_v2");
   }
   if (!is_interface_name(c.can_interface)) {
@@ -272,6 +295,7 @@ Settings daemon_settings(DaemonConfig& c) {
                           choice_of(c.log, {"error", "warning", "notice", "info", "debug"})}}));
   append(settings, algorithm_settings(c.slam));
   append(settings, simulation_settings(c.simulation));
+  append(settings, replay_settings(c.replay));
   return settings;
 }
 
@@ -286,6 +310,8 @@ Result<DaemonConfig> read_daemon_config(const std::filesystem::path& file) {
   const KeyLines lines = read_settings(file, daemon_settings(config), problems);
   std::string& dbc = config.odometry.dbc.file;
   if (!dbc.empty()) dbc = (file.parent_path() / dbc).string();
+  std::string& folder = config.replay.folder;
+  if (!folder.empty()) folder = (file.parent_path() / folder).string();
   // What a value out of its range brings about elsewhere would only hide it.
   if (!problems.any()) {
     check_devices(config, lines, problems);

@@ -18,8 +18,8 @@
 
 namespace zenith {
 
-enum class CameraDriver { kV4l2, kSimulated };
-enum class OdometryDriver { kSocketCan, kSimulated };
+enum class CameraDriver { kV4l2, kSimulated, kReplay };
+enum class OdometryDriver { kSocketCan, kSimulated, kReplay };
 // In files: "error", "warning", "notice", "info", "debug".
 enum class LogChoice { kError, kWarning, kNotice, kInfo, kDebug };
 
@@ -64,6 +64,12 @@ struct SimulationConfig {
   double frame_rate_hz = 0.0;  // 0: the world's
 };
 
+struct ReplayConfig {
+  std::string folder;  // of a recording
+  double speed = 1.0;
+  bool loop = false;
+};
+
 struct DaemonConfig {
   std::string name = "zenith";
   std::uint64_t seed = 1;  // of the filter's random numbers
@@ -85,8 +91,8 @@ struct DaemonConfig {
   LogChoice log = LogChoice::kInfo;
   Parameters slam;
   SimulationConfig simulation;
+  ReplayConfig replay;
 
-  bool is_simulated() const { return camera_driver == CameraDriver::kSimulated; }
   RobotConfig robot() const;
   V4l2Settings v4l2() const;
   LogLevel log_level() const { return static_cast<LogLevel>(static_cast<int>(log) + 3); }
@@ -96,8 +102,8 @@ struct DaemonConfig {
 // are `live`.
 Settings daemon_settings(DaemonConfig& config);
 
-// Everything that is wrong at once, a line each. A relative odometry.dbc.file is taken from the
-// folder of the file.
+// Everything that is wrong at once, a line each. Relative odometry.dbc.file and
+// replay.folder are taken from the folder of the file.
 Result<DaemonConfig> read_daemon_config(const std::filesystem::path& file);
 
 // "2", "2-3", "0,2-3" as bits of CPUs below 64; 0 for an empty text.

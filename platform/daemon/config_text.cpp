@@ -43,6 +43,10 @@ constexpr std::array kSections = {
                 "The algorithm: docs/algorithm.md. `zenith --parameters` lists the same, `--set` "
                 "changes them there."},
     SectionText{"simulation", "For camera.driver and odometry.driver = \"simulated\"."},
+    SectionText{
+        "replay",
+        "For camera.driver and odometry.driver = \"replay\": zenithd-sim alone. Lens, mount, "
+        "wheels and\ncodec are the recording's."},
 };
 
 std::string_view text_of(const std::string& section) {

@@ -6,10 +6,15 @@
 namespace zenith {
 
 Result<Devices> make_real_devices(const DaemonConfig& config) {
-  if (config.is_simulated()) {
+  if (config.camera_driver == CameraDriver::kSimulated) {
     return Error{
         "camera.driver = \"simulated\": this program has real devices alone; zenithd-sim "
         "has simulated ones"};
+  }
+  if (config.camera_driver == CameraDriver::kReplay) {
+    return Error{
+        "camera.driver = \"replay\": this program has real devices alone and reads neither the PNG "
+        "nor the YAML files of recordings; zenithd-sim plays them"};
   }
   auto decoder = make_wheel_decoder(config.odometry);
   if (!decoder) return decoder.error();

@@ -35,7 +35,8 @@ struct Devices {
 // How a program makes the devices that a configuration names.
 using MakeDevices = Result<Devices> (*)(const DaemonConfig& config);
 
-// Those of the kernel. Simulated ones are an error here: zenithd is built without the simulator.
+// Those of the kernel. Simulated and replayed ones are an error here: zenithd is built without the
+// simulator and without what reads recordings.
 Result<Devices> make_real_devices(const DaemonConfig& config);
 
 }  // namespace zenith

@@ -2,15 +2,14 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <utility>
 
-#include "platform/recording/candump.h"
 #include "platform/recording/seconds.h"
-#include "platform/recording/text_file.h"
 
 namespace zenith {
 namespace {
 
-void decode_line(const CanFrame& frame, WheelDecoder& decoder, WheelLog& log) {
+void decode_frame(const CanFrame& frame, WheelDecoder& decoder, WheelLog& log) {
   const std::uint64_t unknown = decoder.counters().unknown_ids;
   if (const auto sample = decoder.decode(frame)) log.samples.push_back(*sample);
   if (decoder.counters().unknown_ids != unknown) ++log.unknown_ids[frame.id];
@@ -41,29 +40,12 @@ std::string unknown_text(const WheelLog& log) {
 
 Result<WheelLog> read_wheel_log(const std::filesystem::path& path, const std::string& interface,
                                 WheelDecoder decoder) {
-  auto file = TextFile::open(path);
-  if (!file.ok()) return file.error();
+  auto can = read_can_log(path, interface);
+  if (!can.ok()) return can.error();
   WheelLog log;
-  std::string line;
-  while (file->next(line)) {
-    CanFrame frame;
-    std::string_view name;
-    switch (parse_candump(line, frame, name)) {
-      case CandumpLine::kMalformed:
-        if (log.malformed++ == 0) log.first_malformed = file->place();
-        break;
-      case CandumpLine::kOther:
-        log.other_frames += line.empty() ? 0 : 1;
-        break;
-      case CandumpLine::kFrame:
-        if (name == interface) {
-          decode_line(frame, decoder, log);
-        } else {
-          ++log.other_interfaces;
-        }
-        break;
-    }
-  }
+  log.can = std::move(*can);
+  for (const CanFrame& frame : log.can.frames) decode_frame(frame, decoder, log);
+  log.can.frames = {};
   log.decoder = decoder.counters();
   if (!log.samples.empty()) return log;
   std::string message = path.string() + ": holds no odometry";
@@ -77,13 +59,14 @@ std::vector<std::string> describe_log(const WheelLog& log, const std::filesystem
   const auto tell = [&](std::uint64_t count, const std::string& what) {
     if (count > 0) lines.push_back(name + std::to_string(count) + " " + what);
   };
-  if (log.malformed > 0) {
-    lines.push_back(log.first_malformed +
+  const std::size_t malformed = log.can.malformed;
+  if (malformed > 0) {
+    lines.push_back(log.can.first_malformed +
                     ": malformed line, expected '(seconds) interface ID#DATA'" +
-                    (log.malformed > 1 ? "; " + std::to_string(log.malformed - 1) + " more" : ""));
+                    (malformed > 1 ? "; " + std::to_string(malformed - 1) + " more" : ""));
   }
-  tell(log.other_interfaces, "frames of other interfaces, ignored");
-  tell(log.other_frames, "remote, FD or error frames, ignored");
+  tell(log.can.other_interfaces, "frames of other interfaces, ignored");
+  tell(log.can.other_frames, "remote, FD or error frames, ignored");
   if (!log.unknown_ids.empty()) lines.push_back(name + unknown_text(log));
   tell(log.decoder.late, "odometry frames whose stamps go back, refused");
   tell(log.decoder.short_frames, "odometry frames that are too short, refused");

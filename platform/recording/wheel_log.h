@@ -10,6 +10,7 @@
 
 #include "drivers/odometry/wheel_decoder.h"
 #include "platform/base/result.h"
+#include "platform/recording/can_log.h"
 #include "platform/recording/frame_list.h"
 #include "slam/wheels.h"
 
@@ -19,10 +20,7 @@ struct WheelLog {
   std::vector<WheelSample> samples;  // stamps rise strictly
   WheelDecoderCounters decoder;
   std::map<std::uint32_t, std::size_t> unknown_ids;  // and how often each came
-  std::size_t other_interfaces = 0;
-  std::size_t other_frames = 0;  // remote, FD and error frames
-  std::size_t malformed = 0;
-  std::string first_malformed;  // "path:line"
+  CanLog can;                                        // without its frames: those were decoded
 };
 
 // `decoder` is that of the robot's base. Malformed lines are counted. A log without any sample is

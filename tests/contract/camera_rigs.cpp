@@ -127,6 +127,9 @@ std::unique_ptr<CameraRig> make_rig() {
 const std::vector<NamedCameraRig>& camera_rigs() {
   static const std::vector<NamedCameraRig> rigs = {{"V4l2OnFakeKernel", make_rig<FakeKernelRig>},
                                                    {"Simulated", make_rig<SimulatedRig>},
+#ifdef ZENITH_WITH_RECORDINGS
+                                                   {"Replayed", make_replayed_rig},
+#endif
                                                    {"V4l2OnKernel", make_rig<KernelRig>}};
   return rigs;
 }

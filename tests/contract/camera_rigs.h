@@ -41,8 +41,12 @@ struct NamedCameraRig {
   std::unique_ptr<CameraRig> (*make)();
 };
 
-// V4L2 on a kernel in memory, a simulated camera, and V4L2 on the device that $ZENITH_TEST_VIDEO
-// names (root, for pulling it out).
+// V4L2 on a kernel in memory, a simulated camera, a replayed one, and V4L2 on the device that
+// $ZENITH_TEST_VIDEO names (root, for pulling it out).
 const std::vector<NamedCameraRig>& camera_rigs();
+
+// A recording that plays again and again; where the build reads recordings
+// (ZENITH_WITH_RECORDINGS).
+std::unique_ptr<CameraRig> make_replayed_rig();
 
 }  // namespace zenith

@@ -103,7 +103,7 @@ TEST_F(CarWheels, TravelIsTheIntegralOfTheSpeeds) {
   EXPECT_EQ(log->decoder.invalid, 0u);
   EXPECT_EQ(log->decoder.late, 0u);
   EXPECT_EQ(log->decoder.velocity_gaps, 0u);
-  EXPECT_EQ(log->malformed, 0u);
+  EXPECT_EQ(log->can.malformed, 0u);
   double left_m = 0.0;
   double right_m = 0.0;
   for (std::size_t i = 0; i < expected_.size(); ++i) {

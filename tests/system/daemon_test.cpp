@@ -7,6 +7,7 @@
 #include "tests/support/figure.h"
 #include "tests/support/line_reader.h"
 #include "tests/system/process.h"
+#include "tests/unit/tools/small_recording.h"
 #include "tests/unit/tools/temporary_folder.h"
 
 namespace zenith {
@@ -135,6 +136,41 @@ TEST_F(DaemonTest, RunsReloadsAndStops) {
   EXPECT_LT(took_s, 5.0);
   EXPECT_TRUE(manager.heard("STOPPING=1", 1.0));
   EXPECT_FALSE(fs::exists(socket_));
+}
+
+// A recording of a second, of which one frame is gone: at its end the robot stands, and all goes
+// on.
+TEST_F(DaemonTest, PlaysARecordingAndStandsAtItsEnd) {
+  const fs::path recording = folder_.path() / "rec";
+  tools::write_small_recording(recording);
+  fs::remove(recording / "mav0/cam0/data" / (std::to_string(tools::small_stamp(4).ns) + ".png"));
+  write_text(file_,
+             "[camera]\ndriver = \"replay\"\n[odometry]\ndriver = \"replay\"\n[replay]\n"
+             "folder = \"rec\"\n[telemetry]\nsocket = \"" +
+                 socket_ + "\"\n");
+  std::string said;
+  EXPECT_EQ(run({ZENITHD_SIM, "--config", file_, "--check"}, said), 0);
+  EXPECT_THAT(said, AllOf(HasSubstr("replay of "), HasSubstr("32 x 24, 10 a second")));
+  EXPECT_EQ(run({ZENITHD, "--config", file_, "--check"}, said), 2);
+  EXPECT_THAT(said, AllOf(HasSubstr("camera.driver = \"replay\""), HasSubstr("zenithd-sim")));
+
+  Process daemon({ZENITHD_SIM, "--config", file_}, output_, errors_);
+  EXPECT_TRUE(logged("passed over"));
+  EXPECT_TRUE(
+      logged("the end of the recording rec: 10 frames, of which 1 were missing or damaged"));
+  LineReader reader(socket_);
+  ASSERT_TRUE(reader.connected());
+  nlohmann::json health = next(reader, "health");
+  const auto at_end = health["camera"]["frames"].get<int>();
+  for (int i = 0; i < 50 && health["camera"]["frames"].get<int>() < at_end + 5; ++i) {
+    health = next(reader, "health");
+  }
+  EXPECT_GE(health["camera"]["frames"].get<int>(), at_end + 5) << "it stands, and still sees";
+  EXPECT_EQ(health["camera"]["damaged"], 1);
+  EXPECT_EQ(health["camera"]["lost"], 0);
+  EXPECT_EQ(health["can"]["up"], true);
+  daemon.send(SIGTERM);
+  EXPECT_EQ(daemon.wait(kLimit_s), 0) << read_text(errors_);
 }
 
 TEST_F(DaemonTest, EndsOnInterruptAlsoRightAfterItsStart) {

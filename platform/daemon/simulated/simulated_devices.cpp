@@ -1,8 +1,12 @@
-#include <algorithm>
+#include "platform/daemon/simulated/simulated_devices.h"
+
+#include <array>
 #include <string>
 #include <utility>
 
-#include "platform/daemon/simulated/simulated_robot.h"
+#include "drivers/odometry/agilex_v2.h"
+#include "platform/daemon/simulated/device_player.h"
+#include "sim/simulation.h"
 #include "sim/view_angle.h"
 #include "sim/world.h"
 
@@ -21,6 +25,41 @@ Result<std::size_t> find_robot(const sim::Simulation& simulation, const std::str
                "; there are " + known};
 }
 
+// Drives once along its way.
+class SimulatedSource final : public MomentSource {
+ public:
+  SimulatedSource(sim::Simulation simulation, std::size_t robot)
+      : simulation_(std::move(simulation)), drive_(simulation_.drive(robot)) {}
+
+  const RobotConfig& config() const { return drive_.config(); }
+
+  bool next(Moment& moment) override {
+    frame_.pixels.swap(moment.pixels);
+    if (!drive_.next(frame_, moment.can)) return false;
+    frame_.pixels.swap(moment.pixels);
+    moment.stamp = frame_.stamp;
+    moment.frame = MomentFrame::kGood;
+    for (const CanFrame& frame : moment.can) {
+      standing_[frame.id == agilex_v2::kOdometerId ? 0 : 1] = frame;
+    }
+    return true;
+  }
+  Duration frame_period() const override {
+    return Duration::from_seconds(1.0 / drive_.config().frame_rate_hz);
+  }
+  std::vector<CanFrame> standing() const override {
+    CanFrame motion = standing_[1];
+    motion.data = {};
+    return {standing_[0], motion};
+  }
+
+ private:
+  sim::Simulation simulation_;  // the drive looks into it
+  sim::RobotDrive drive_;
+  sim::SimFrame frame_;
+  std::array<CanFrame, 2> standing_;  // the last odometer and motion frame
+};
+
 }  // namespace
 
 Result<Devices> make_simulated_devices(const DaemonConfig& config) {
@@ -34,28 +73,22 @@ Result<Devices> make_simulated_devices(const DaemonConfig& config) {
   if (!index) return index.error();
   const std::string description = "simulated robot " + loaded->world().file.robots[*index].name +
                                   " in the world " + loaded->name();
-  auto decoder = make_wheel_decoder(config.odometry);
+  const auto decoder = make_wheel_decoder(config.odometry);
   if (!decoder) return decoder.error();
-  auto robot = std::make_unique<SimulatedRobot>(std::move(*loaded), *index);
-  Devices devices;
-  devices.robot = robot->config();
-  devices.decoder = *decoder;
-  devices.description = description;
-  const Lens& lens = devices.robot.lens;
-  auto camera = std::make_unique<SimulatedCamera>(
-      lens.width_px, lens.height_px,
-      "simulated, GREY " + std::to_string(lens.width_px) + "x" + std::to_string(lens.height_px),
-      [world = robot.get()] { world->start(); });
-  auto can = std::make_unique<SimulatedCanBus>(decoder->ids());
-  robot->connect(*camera, *can);
-  devices.camera = std::move(camera);
-  devices.can = std::move(can);
-  devices.world = std::move(robot);
-  return devices;
+  auto source = std::make_unique<SimulatedSource>(std::move(*loaded), *index);
+  const RobotConfig robot = source->config();
+  return make_played_devices(std::move(source), robot, *decoder, description);
 }
 
 Result<Devices> make_any_devices(const DaemonConfig& config) {
-  return config.is_simulated() ? make_simulated_devices(config) : make_real_devices(config);
+  switch (config.camera_driver) {
+    case CameraDriver::kSimulated:
+      return make_simulated_devices(config);
+    case CameraDriver::kReplay:
+      return make_replayed_devices(config);
+    default:
+      return make_real_devices(config);
+  }
 }
 
 }  // namespace zenith

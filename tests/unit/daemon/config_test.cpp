@@ -69,6 +69,11 @@ TEST_F(ConfigTest, TellsWhatDoesNotGoTogetherWithItsLine) {
   EXPECT_THAT(refusal("[odometry]\ncodec = \"odrive\"\ndriver = \"simulated\"\n[camera]\n"
                       "driver = \"simulated\"\n"),
               HasSubstr(":2: odometry.codec: simulated robots speak agilex_v2"));
+  EXPECT_THAT(
+      refusal("[odometry]\ndriver = \"replay\"\n"),
+      HasSubstr(":2: camera.driver and odometry.driver: either both are \"replay\" or neither"));
+  EXPECT_THAT(refusal("[camera]\ndriver = \"replay\"\n[odometry]\ndriver = \"replay\"\n"),
+              HasSubstr(":2: camera.driver = \"replay\" needs replay.folder"));
 }
 
 TEST_F(ConfigTest, AMissingFileSaysWhereOneComesFrom) {
@@ -81,7 +86,7 @@ TEST_F(ConfigTest, GivesDriversWhatTheyNeed) {
   const DaemonConfig config = read(
       "[camera]\nexposure = \"manual\"\ngain = 7\npower_line = \"60Hz\"\n[lens]\nwidth_px = 800\n"
       "height_px = 600\n[mount]\nroll_deg = 90e-1\nyaw_deg = -180\n[log]\nlevel = \"debug\"\n"
-      "[odometry.dbc]\nfile = \"base.dbc\"\n");
+      "[odometry.dbc]\nfile = \"base.dbc\"\n[replay]\nfolder = \"rec\"\n");
   const V4l2Settings v4l2 = config.v4l2();
   EXPECT_EQ(v4l2.width, 800);
   EXPECT_EQ(v4l2.height, 600);
@@ -93,6 +98,7 @@ TEST_F(ConfigTest, GivesDriversWhatTheyNeed) {
   EXPECT_NEAR(config.robot().mount.yaw_rad, -3.14159265, 1e-8);
   EXPECT_EQ(config.log_level(), LogLevel::kDebug);
   EXPECT_EQ(config.odometry.dbc.file, (folder_.path() / "base.dbc").string());
+  EXPECT_EQ(config.replay.folder, (folder_.path() / "rec").string());
 }
 
 // Enums stand in the order of their words.

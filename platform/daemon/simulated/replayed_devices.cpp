@@ -1,0 +1,21 @@
+#include <utility>
+
+#include "platform/daemon/simulated/recording_source.h"
+#include "platform/daemon/simulated/simulated_devices.h"
+#include "platform/linux/log.h"
+
+namespace zenith {
+
+Result<Devices> make_replayed_devices(const DaemonConfig& config) {
+  auto source = RecordingSource::open(config.replay);
+  if (!source) return source.error();
+  for (const std::string& warning : (*source)->warnings()) {
+    log_line(LogLevel::kWarning, "replay: %s", warning.c_str());
+  }
+  const std::string description = "replay of " + config.replay.folder;
+  const RobotConfig robot = (*source)->robot();
+  const WheelDecoder decoder = (*source)->decoder();
+  return make_played_devices(std::move(*source), robot, decoder, description);
+}
+
+}  // namespace zenith
