@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "platform/daemon/simulated/simulated_robot.h"
+#include "platform/daemon/simulated/simulated_devices.h"
 #include "platform/linux/clock.h"
 #include "platform/linux/signals.h"
 #include "tools/commands.h"
