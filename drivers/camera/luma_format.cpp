@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::uint32_t kBigEndian = 1u << 31;
 
-constexpr std::array<LumaFormat, 12> kFormats = {{
+constexpr std::array<LumaFormat, 14> kFormats = {{
     {V4L2_PIX_FMT_GREY, LumaLayout::kPlane},
     {V4L2_PIX_FMT_NV12, LumaLayout::kPlane},
     {V4L2_PIX_FMT_YUV420, LumaLayout::kPlane},
@@ -24,6 +24,8 @@ constexpr std::array<LumaFormat, 12> kFormats = {{
     {V4L2_PIX_FMT_Y16, LumaLayout::kOddBytes},
     {V4L2_PIX_FMT_Y10, LumaLayout::kWord10},
     {V4L2_PIX_FMT_Y12, LumaLayout::kWord12},
+    {V4L2_PIX_FMT_RGB24, LumaLayout::kRgb24},
+    {V4L2_PIX_FMT_BGR24, LumaLayout::kBgr24},
 }};
 
 void extract_bytes(const std::uint8_t* raw, std::size_t stride, const MutableImageView& out) {
@@ -43,6 +45,19 @@ void extract_words(int bits, const std::uint8_t* raw, std::size_t stride,
     for (int u = 0; u < out.width; ++u) {
       const int word = from[2 * u] | (from[2 * u + 1] << 8);
       to[u] = static_cast<std::uint8_t>(std::min(word >> (bits - 8), 255));
+    }
+  }
+}
+
+// The luma of ITU-R BT.601, its weights in 256ths.
+void extract_colours(int red, int blue, const std::uint8_t* raw, std::size_t stride,
+                     const MutableImageView& out) {
+  for (int v = 0; v < out.height; ++v) {
+    const std::uint8_t* from = raw + v * stride;
+    std::uint8_t* to = out.row(v);
+    for (int u = 0; u < out.width; ++u, from += 3) {
+      const int sum = 77 * from[red] + 150 * from[1] + 29 * from[blue];
+      to[u] = static_cast<std::uint8_t>((sum + 128) >> 8);
     }
   }
 }
@@ -74,6 +89,10 @@ void extract_luma(LumaLayout layout, const std::uint8_t* raw, std::size_t stride
       return extract_words(10, raw, stride, out);
     case LumaLayout::kWord12:
       return extract_words(12, raw, stride, out);
+    case LumaLayout::kRgb24:
+      return extract_colours(0, 2, raw, stride, out);
+    case LumaLayout::kBgr24:
+      return extract_colours(2, 0, raw, stride, out);
   }
 }
 

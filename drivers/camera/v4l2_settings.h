@@ -1,8 +1,10 @@
 #pragma once
-// What is asked of a V4L2 camera.
+// What is asked of a camera. Made for V4L2; libcamera takes the same, but for the mains frequency.
 
 #include <optional>
 #include <string>
+
+#include "platform/base/result.h"
 
 namespace zenith {
 
@@ -11,7 +13,8 @@ enum class V4l2PowerLine { kLeave, kOff, k50Hz, k60Hz, kAuto };
 
 struct V4l2Settings {
   // "/dev/video0", "/dev/v4l/by-id/...", "name:PART of the card's name" or "bus:PART of the bus
-  // information". The last three find the camera again when its number has changed.
+  // information". The last three find the camera again when its number has changed. libcamera: a
+  // part of the camera's id or model; empty: the only one.
   std::string device = "/dev/video0";
   int width = 640;  // exactly this size: the lens is calibrated for it
   int height = 480;
@@ -27,5 +30,8 @@ struct V4l2Settings {
   std::optional<int> gain;      // in the driver's own units; switches automatic gain off
   V4l2PowerLine power_line = V4l2PowerLine::kLeave;
 };
+
+// Whether all lie in their ranges.
+Status check_settings(const V4l2Settings& settings);
 
 }  // namespace zenith

@@ -25,13 +25,16 @@ Settings live(Settings settings) {
 Settings camera_settings(DaemonConfig& c) {
   return {
       {"camera.driver", "", 0, 0,
-       "v4l2: a camera of the kernel; simulated: a made-up building, see [simulation]; replay: a "
-       "recording, see [replay]",
-       choice_of(c.camera_driver, {"v4l2", "simulated", "replay"})},
+       "v4l2: a camera of the kernel; libcamera: one that needs an image signal processor; "
+       "simulated: a made-up building, see [simulation]; replay: a recording, see [replay]",
+       choice_of(c.camera_driver, {"v4l2", "libcamera", "simulated", "replay"})},
       {"camera.device", "", 0, 0,
-       "/dev/video0, /dev/v4l/by-id/..., \"name:PART of the card's name\" or \"bus:PART of the "
+       "v4l2: /dev/video0, /dev/v4l/by-id/..., \"name:PART of the card's name\" or \"bus:PART of "
+       "the "
        "bus information\"; the last three find it again when its number has changed",
        &c.camera.device},
+      {"camera.id", "", 0, 0, "libcamera: a part of the camera's model or id; empty: the only one",
+       &c.camera_id},
       {"camera.rate_hz", "1/s", 0.1, 1000,
        "a wish: the slowest rate that the camera offers and that is not slower, else its fastest",
        &c.camera.rate_hz},
@@ -49,8 +52,10 @@ Settings camera_settings(DaemonConfig& c) {
       {"camera.exposure_us", "us", 1, 1e6, "for exposure = \"manual\"; short ones blur less",
        &c.camera.exposure_us},
       {"camera.gain", "", -1, 1e6,
-       "in the driver's own units, switches automatic gain off; -1: leave it", &c.camera_gain},
-      {"camera.power_line", "", 0, 0, "the lamps' frequency, against flicker",
+       "v4l2: in the driver's own units, switches automatic gain off; libcamera: times; -1: leave "
+       "it",
+       &c.camera_gain},
+      {"camera.power_line", "", 0, 0, "v4l2: the lamps' frequency, against flicker",
        choice_of(c.camera.power_line, {"leave", "off", "50Hz", "60Hz", "auto"})},
   };
 }
@@ -276,6 +281,12 @@ V4l2Settings DaemonConfig::v4l2() const {
   settings.width = lens.width_px;
   settings.height = lens.height_px;
   if (camera_gain >= 0) settings.gain = camera_gain;
+  return settings;
+}
+
+V4l2Settings DaemonConfig::libcamera() const {
+  V4l2Settings settings = v4l2();
+  settings.device = camera_id;
   return settings;
 }
 

@@ -18,7 +18,7 @@
 
 namespace zenith {
 
-enum class CameraDriver { kV4l2, kSimulated, kReplay };
+enum class CameraDriver { kV4l2, kLibcamera, kSimulated, kReplay };
 enum class OdometryDriver { kSocketCan, kSimulated, kReplay };
 // In files: "error", "warning", "notice", "info", "debug".
 enum class LogChoice { kError, kWarning, kNotice, kInfo, kDebug };
@@ -74,8 +74,9 @@ struct DaemonConfig {
   std::string name = "zenith";
   std::uint64_t seed = 1;  // of the filter's random numbers
   CameraDriver camera_driver = CameraDriver::kV4l2;
-  V4l2Settings camera;   // width and height come from the lens
-  int camera_gain = -1;  // -1: leave as it is
+  V4l2Settings camera;    // width and height come from the lens
+  int camera_gain = -1;   // -1: leave as it is
+  std::string camera_id;  // of libcamera
   Lens lens;
   MountConfig mount;
   Wheels wheels;
@@ -95,6 +96,7 @@ struct DaemonConfig {
 
   RobotConfig robot() const;
   V4l2Settings v4l2() const;
+  V4l2Settings libcamera() const;
   LogLevel log_level() const { return static_cast<LogLevel>(static_cast<int>(log) + 3); }
 };
 

@@ -1,12 +1,23 @@
 #include "tests/contract/camera_rigs.h"
 
+#include <fcntl.h>
+#include <linux/videodev2.h>
+#include <sys/ioctl.h>
+
 #include <atomic>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <mutex>
 #include <thread>
 
+#include <gtest/gtest.h>
+
+#include "drivers/camera/libcamera_driver.h"
 #include "drivers/camera/simulated_camera.h"
 #include "drivers/camera/v4l2_camera.h"
 #include "platform/linux/clock.h"
+#include "platform/linux/unique_fd.h"
 #include "tests/contract/video_device.h"
 #include "tests/unit/drivers/camera/fake_v4l2.h"
 
@@ -117,6 +128,59 @@ class KernelRig final : public CameraRig {
   V4l2Camera camera_{settings_for(device_.path(), kRate_hz)};
 };
 
+// vimc, for one: colours, and sizes that are multiples of six.
+class LibcameraRig final : public CameraRig {
+ public:
+  LibcameraRig() {
+    const char* name = std::getenv("ZENITH_TEST_LIBCAMERA");
+    if (name == nullptr || *name == '\0') {
+      missing_ = "no camera of libcamera: ZENITH_TEST_LIBCAMERA is not set";
+      return;
+    }
+    V4l2Settings settings = settings_for(name, kRate_hz);
+    settings.width = settings.height = kSide_px;
+    settings.first_frame_s = 20.0;
+    auto camera = make_libcamera_camera(settings);
+    if (camera) {
+      camera_ = std::move(*camera);
+    } else {
+      ADD_FAILURE() << camera.error().message;
+      missing_ = camera.error().message;
+    }
+  }
+  std::string missing() const override { return missing_; }
+  Camera& camera() override { return *camera_; }
+  int width_px() const override { return kSide_px; }
+  int height_px() const override { return kSide_px; }
+  Time now() const override { return monotonic_now(); }
+  void let_frames_come(int count) override {
+    sleep_until(monotonic_now() + Duration::from_seconds(count / kRate_hz));
+  }
+  void change_picture() override { set_brightness(bright_ = !bright_); }
+
+ private:
+  static constexpr double kRate_hz = 10.0;
+  static constexpr int kSide_px = 240;
+
+  // Of vimc's sensor, whose picture stands still. A real camera has no such node, and noise.
+  static void set_brightness(bool bright) {
+    const std::string name = std::getenv("ZENITH_TEST_LIBCAMERA");
+    for (const auto& entry : std::filesystem::directory_iterator("/sys/class/video4linux")) {
+      std::string has;
+      std::getline(std::ifstream(entry.path() / "name"), has);
+      if (has != name) continue;
+      const UniqueFd fd(::open(("/dev" / entry.path().filename()).c_str(), O_RDWR | O_CLOEXEC));
+      v4l2_control control = {V4L2_CID_BRIGHTNESS, bright ? 200 : 60};
+      ASSERT_EQ(::ioctl(fd.get(), VIDIOC_S_CTRL, &control), 0) << entry.path();
+    }
+  }
+
+  bool bright_ = false;
+
+  std::string missing_;
+  std::unique_ptr<Camera> camera_;
+};
+
 template <typename Rig>
 std::unique_ptr<CameraRig> make_rig() {
   return std::make_unique<Rig>();
@@ -130,7 +194,8 @@ const std::vector<NamedCameraRig>& camera_rigs() {
 #ifdef ZENITH_WITH_RECORDINGS
                                                    {"Replayed", make_replayed_rig},
 #endif
-                                                   {"V4l2OnKernel", make_rig<KernelRig>}};
+                                                   {"V4l2OnKernel", make_rig<KernelRig>},
+                                                   {"Libcamera", make_rig<LibcameraRig>}};
   return rigs;
 }
 

@@ -27,6 +27,9 @@ class CameraRig {
   // The open camera takes `count` more frames, or about as many, with nobody waiting for them.
   virtual void let_frames_come(int count) = 0;
 
+  // Puts another picture before a camera whose picture would stay the same.
+  virtual void change_picture() {}
+
   // Cameras that can be held still (no frame and no error), and then take exactly the frames that
   // they are let.
   virtual bool is_exact() const { return false; }
@@ -41,8 +44,9 @@ struct NamedCameraRig {
   std::unique_ptr<CameraRig> (*make)();
 };
 
-// V4L2 on a kernel in memory, a simulated camera, a replayed one, and V4L2 on the device that
-// $ZENITH_TEST_VIDEO names (root, for pulling it out).
+// V4L2 on a kernel in memory, a simulated camera, a replayed one, V4L2 on the device that
+// $ZENITH_TEST_VIDEO names (root, for pulling it out), and the camera of libcamera whose name holds
+// $ZENITH_TEST_LIBCAMERA.
 const std::vector<NamedCameraRig>& camera_rigs();
 
 // A recording that plays again and again; where the build reads recordings

@@ -197,6 +197,7 @@ TEST_P(CameraContract, APictureStaysUntilTheNextWait) {
     const std::vector<std::uint8_t> seen = pixels();
     changed = changed || (i > 0 && seen != last);
     last = seen;
+    rig_->change_picture();
     rig_->let_frames_come(12);
     EXPECT_EQ(pixels(), seen);
   }

@@ -103,6 +103,11 @@ TEST_F(ConfigTest, GivesDriversWhatTheyNeed) {
 
 // Enums stand in the order of their words.
 TEST_F(ConfigTest, WordsMeanWhatTheySay) {
+  const DaemonConfig libcamera =
+      read("[camera]\ndriver = \"libcamera\"\nid = \"imx219\"\n[lens]\nwidth_px = 800\n");
+  EXPECT_EQ(libcamera.camera_driver, CameraDriver::kLibcamera);
+  EXPECT_EQ(libcamera.libcamera().device, "imx219");
+  EXPECT_EQ(libcamera.libcamera().width, 800);
   EXPECT_EQ(read("[camera]\nexposure = \"auto\"\n").camera.exposure, V4l2Exposure::kAuto);
   EXPECT_EQ(read("[camera]\npower_line = \"50Hz\"\n").camera.power_line, V4l2PowerLine::k50Hz);
   EXPECT_EQ(read("[camera]\npower_line = \"auto\"\n").camera.power_line, V4l2PowerLine::kAuto);

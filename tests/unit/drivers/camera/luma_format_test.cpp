@@ -39,14 +39,24 @@ TEST(LumaFormat, ScalesWordsAndSaturatesExcessBits) {
   EXPECT_EQ(luma, (std::array<std::uint8_t, 4>{63, 0, 32, 255}));
 }
 
+TEST(LumaFormat, WeighsColours) {
+  const std::array<std::uint8_t, 12> raw = {255, 0, 0, 0, 255, 0, 0, 0, 255, 255, 255, 255};
+  std::array<std::uint8_t, 4> luma = {};
+  extract_luma(LumaLayout::kRgb24, raw.data(), raw.size(), {luma.data(), 4, 1, 4});
+  EXPECT_EQ(luma, (std::array<std::uint8_t, 4>{77, 149, 29, 255}));
+  extract_luma(LumaLayout::kBgr24, raw.data(), raw.size(), {luma.data(), 4, 1, 4});
+  EXPECT_EQ(luma, (std::array<std::uint8_t, 4>{29, 149, 77, 255}));
+}
+
 TEST(LumaFormat, LastRowNeedsNoPadding) {
   const LumaFormat yuyv = *find_luma_format(V4L2_PIX_FMT_YUYV);
   EXPECT_EQ(yuyv.needed_bytes(4, 3, 10), 28u);
+  EXPECT_EQ(find_luma_format(V4L2_PIX_FMT_RGB24)->needed_bytes(4, 3, 16), 44u);
   EXPECT_EQ(find_luma_format(V4L2_PIX_FMT_GREY)->needed_bytes(4, 3, 10), 24u);
 }
 
-TEST(LumaFormat, KnowsNoCompressedOrColourFormat) {
-  for (const std::uint32_t fourcc : {V4L2_PIX_FMT_MJPEG, V4L2_PIX_FMT_H264, V4L2_PIX_FMT_RGB24,
+TEST(LumaFormat, KnowsNoCompressedOrRawFormat) {
+  for (const std::uint32_t fourcc : {V4L2_PIX_FMT_MJPEG, V4L2_PIX_FMT_H264, V4L2_PIX_FMT_RGB565,
                                      V4L2_PIX_FMT_SGRBG8, V4L2_PIX_FMT_Y16_BE}) {
     EXPECT_EQ(find_luma_format(fourcc), nullptr) << fourcc_text(fourcc);
   }

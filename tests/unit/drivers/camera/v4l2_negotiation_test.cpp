@@ -65,9 +65,9 @@ TEST(V4l2Negotiation, NamedFormatMustBeOfferedAndReadable) {
   const auto missing = negotiate_v4l2(uvc_webcam_offer(), ask(640, 480, 30, "GREY"));
   ASSERT_FALSE(missing.ok());
   EXPECT_THAT(missing.error().message, HasSubstr("the format 'GREY' is not offered"));
-  const auto unreadable = negotiate_v4l2(vivid_offer(), ask(640, 480, 25, "RGB3"));
+  const auto unreadable = negotiate_v4l2(vivid_offer(), ask(640, 480, 25, "RGBP"));
   ASSERT_FALSE(unreadable.ok());
-  EXPECT_THAT(unreadable.error().message, HasSubstr("the format 'RGB3' cannot be read"));
+  EXPECT_THAT(unreadable.error().message, HasSubstr("the format 'RGBP' cannot be read"));
   const auto named = negotiate_v4l2(vivid_offer(), ask(640, 480, 25, "UYVY"));
   ASSERT_TRUE(named.ok());
   EXPECT_EQ(named->fourcc, V4L2_PIX_FMT_UYVY);
