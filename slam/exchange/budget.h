@@ -15,7 +15,7 @@ class Budget {
   // half of the cap. Full at first; later calls, with the same cap, keep the promise across them.
   void configure(std::uint32_t cap, std::uint32_t largest) {
     const std::uint32_t before = burst_;
-    burst_ = std::min(std::max(cap / 8, largest), cap / 2);
+    burst_ = std::min(std::max(cap / 32, largest), cap / 2);
     rate_ = cap - burst_;
     if (before == 0) {
       tokens_ = full();

@@ -22,11 +22,13 @@ struct Settings {
   // Bytes a second, all headers included: what is sent in any one second at most, and the part of
   // it that changes of known landmarks may take on average. At least 700 for each copy of what
   // goes to everybody; with less, records or even states cannot be sent.
-  std::uint32_t max_rate = 100'000;
+  std::uint32_t max_rate = 125'000;
   std::uint32_t news_rate = 20'000;
+  // A landmark that peers know is told of again after so long, however often it changes.
+  Duration rest = Duration::from_seconds(5.0);
   // What one peer may send. It is held against its datagrams as they arrive, so it must be well
   // above its max_rate.
-  std::uint32_t peer_rate = 400'000;
+  std::uint32_t peer_rate = 500'000;
 
   std::size_t headers_below = kIpv4UdpBytes;  // of IP and UDP
   int slots = kMaxReplicas;                   // peers' maps that are kept

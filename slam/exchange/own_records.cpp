@@ -11,7 +11,7 @@ void OwnRecords::layout(Arena& arena) {
   entries_ = arena.take<Entry>(kMaxOwnRecords);
   free_ = arena.take<std::int32_t>(kMaxOwnRecords);
   table_.layout(arena, kMaxOwnRecords);
-  for (Ring& ring : queues_) ring.slots = arena.take<std::int32_t>(kMaxOwnRecords);
+  for (Ring& ring : rings_) ring.slots = arena.take<std::int32_t>(kMaxOwnRecords);
   told_ = arena.take<Told>(2 * kMaxOwnRecords);
 }
 
@@ -21,7 +21,7 @@ void OwnRecords::clear() {
   }
   free_count_ = free_.size();
   table_.clear();
-  for (Ring& ring : queues_) ring.first = ring.count = ring.bytes = 0;
+  for (Ring& ring : rings_) ring.first = ring.count = ring.bytes = 0;
   told_count_ = 0;
   head_ = 0;
   present_ = 0;
@@ -47,7 +47,8 @@ OwnRecords::Outcome OwnRecords::set(const LandmarkRecord& record) {
   } else if (e.queue < 0) {
     release(i);
   }
-  for (Ring& ring : queues_) trim(ring);
+  trim(rings_[index(Queue::kNew)]);
+  trim(rings_[index(Queue::kChanged)]);
   return Outcome::kTaken;
 }
 
@@ -78,23 +79,37 @@ bool OwnRecords::forget_a_removal() {
   return false;
 }
 
-// Puts the entry's newest state into a queue, where it stands already or else at the end.
+void OwnRecords::push(std::size_t ring, std::int32_t i) {
+  Ring& r = rings_[ring];
+  assert(entry(i).queue < 0 && r.count < r.slots.size());
+  entry(i).queue = static_cast<std::int8_t>(ring);
+  r.slots[(r.first + r.count++) % r.slots.size()] = i;
+}
+
+// The entry's newest state is to be told: from where it stands already, or else at a queue's end.
 void OwnRecords::wait(std::int32_t i) {
   Entry& e = entry(i);
-  if (e.queue < 0) {
-    const Queue queue = e.revision == 0 || e.newest_removed ? Queue::kNew : Queue::kChanged;
-    e.queue = static_cast<std::int8_t>(queue);
-    Ring& ring = queues_[index(queue)];
-    assert(ring.count < ring.slots.size());
-    ring.slots[(ring.first + ring.count++) % ring.slots.size()] = i;
-  }
+  if (e.queue < 0)
+    push(index(e.revision == 0 || e.newest_removed ? Queue::kNew : Queue::kChanged), i);
   e.waits = true;
-  queues_[static_cast<std::size_t>(e.queue)].bytes += e.newest.size;
+  rings_[static_cast<std::size_t>(e.queue)].bytes += e.newest.size;
+}
+
+void OwnRecords::advance(Time now) {
+  Ring& resting = rings_[kResting];
+  while (resting.count > 0) {
+    const std::int32_t i = resting.slots[resting.first];
+    if (now - entry(i).told_at < rest_) return;
+    const bool waited = entry(i).waits;
+    wait_no_more(i);
+    pop(resting);
+    if (waited) wait(i);
+  }
 }
 
 void OwnRecords::wait_no_more(std::int32_t i) {
   Entry& e = entry(i);
-  if (e.waits) queues_[static_cast<std::size_t>(e.queue)].bytes -= e.newest.size;
+  if (e.waits) rings_[static_cast<std::size_t>(e.queue)].bytes -= e.newest.size;
   e.waits = false;
 }
 
@@ -115,20 +130,33 @@ std::int32_t OwnRecords::pop(Ring& ring) {
 }
 
 std::size_t OwnRecords::next_bytes(Queue queue) const {
-  const Ring& ring = queues_[index(queue)];
+  const Ring& ring = rings_[index(queue)];
   return ring.count == 0 ? 0 : entry(ring.slots[ring.first]).newest.size;
 }
 
-void OwnRecords::tell_next(Queue queue, RecordsWriter& out) {
-  Ring& ring = queues_[index(queue)];
-  const Entry& e = tell_front(ring);
+void OwnRecords::tell_next(Time now, Queue queue, RecordsWriter& out) {
+  Ring& ring = rings_[index(queue)];
+  const std::int32_t i = ring.slots[ring.first];
+  tell_front(ring);
+  Entry& e = entry(i);
   [[maybe_unused]] const bool fits = out.add(e.told, e.revision);
   assert(fits);
+  e.told_at = now;
+  if (!e.told_removed) push(kResting, i);
   trim(ring);
 }
 
 void OwnRecords::tell_nobody() {
-  for (Ring& ring : queues_) {
+  Ring& resting = rings_[kResting];
+  while (resting.count > 0) {
+    if (entry(resting.slots[resting.first]).waits) {
+      tell_front(resting);
+    } else {
+      pop(resting);
+    }
+  }
+  for (const Queue queue : {Queue::kNew, Queue::kChanged}) {
+    Ring& ring = rings_[index(queue)];
     while (ring.count > 0) {
       tell_front(ring);
       trim(ring);
@@ -137,7 +165,7 @@ void OwnRecords::tell_nobody() {
 }
 
 // The entry at the front of the ring, told under the next revision.
-const OwnRecords::Entry& OwnRecords::tell_front(Ring& ring) {
+void OwnRecords::tell_front(Ring& ring) {
   assert(ring.count > 0 && entry(ring.slots[ring.first]).waits);
   wait_no_more(ring.slots[ring.first]);
   const std::int32_t i = pop(ring);
@@ -150,7 +178,6 @@ const OwnRecords::Entry& OwnRecords::tell_front(Ring& ring) {
   if (told_present(e) != 0) checksum_ += mix(e.id, e.revision);
   present_ += told_present(e);
   note_told(i);
-  return e;
 }
 
 void OwnRecords::note_told(std::int32_t i) {

@@ -95,6 +95,7 @@ StateNotice Synchroniser::State::state_notice() {
 
 Outgoing Synchroniser::State::send_state(Time now, std::span<std::uint8_t> out) {
   if (nobody_there()) own.tell_nobody();
+  own.advance(now);
   const std::size_t affordable = all.available(now) / static_cast<std::size_t>(copies);
   const std::size_t around = kFrameBytes + settings.headers_below;
   if (affordable < state_bytes() + around) return {};
@@ -199,7 +200,7 @@ void Synchroniser::State::append_news(Time now, ByteWriter& out) {
         if (news.available(now) < (around + changed + bytes) * times) break;
         changed += bytes;
       }
-      own.tell_next(queue, records);
+      own.tell_next(now, queue, records);
       if (flushed > 0) --flushed;
     }
     if (own.waiting(queue) == 0) flushed = 0;

@@ -28,6 +28,7 @@ void Synchroniser::State::start(const Settings& s) {
   settings = s;
   random = Random(s.seed, s.robot);
   own.clear();
+  own.set_rest(s.rest);
   replicas.clear();
   size_budgets();
 }
