@@ -35,7 +35,7 @@
 namespace zenith::hil {
 namespace {
 
-constexpr Duration kRepeat = {200'000'000};  // of a picture while the robot stands
+constexpr Duration kRepeat = {500'000'000};  // of a picture while the robot stands
 constexpr Duration kLate = {30'000'000};
 
 volatile sig_atomic_t ended = 0;
@@ -54,17 +54,13 @@ struct Options {
 };
 
 struct Pictures {
-  UniqueFd file;
-  std::size_t bytes = 0;
+  std::vector<char> all;  // in memory: the host's folder may take its time
+  std::size_t bytes = 0;  // of one
   int width = 0;
   int height = 0;
   std::vector<std::int64_t> times_ns;
 
-  bool read(std::size_t index, std::vector<char>& out) const {
-    out.resize(bytes);
-    return ::pread(file.get(), out.data(), bytes, static_cast<off_t>(index * bytes)) ==
-           static_cast<ssize_t>(bytes);
-  }
+  const char* at(std::size_t index) const { return all.data() + index * bytes; }
 };
 
 Error failed(const std::string& what) {
@@ -80,8 +76,11 @@ Result<Pictures> open_pictures(const std::string& play) {
   for (std::int64_t& time : pictures.times_ns) in >> time;
   if (!in || count == 0) return Error{play + "/frames.txt is no list of pictures; see hil-cut"};
   pictures.bytes = static_cast<std::size_t>(pictures.width) * pictures.height;
-  pictures.file.reset(::open((play + "/frames.grey").c_str(), O_RDONLY | O_CLOEXEC));
-  if (!pictures.file.is_open()) return failed("cannot open " + play + "/frames.grey");
+  pictures.all.resize(pictures.bytes * count);
+  std::ifstream pixels(play + "/frames.grey", std::ios::binary);
+  if (!pixels.read(pictures.all.data(), static_cast<std::streamsize>(pictures.all.size()))) {
+    return Error{play + "/frames.grey is shorter than frames.txt says; see hil-cut"};
+  }
   return pictures;
 }
 
@@ -161,7 +160,7 @@ class Player {
 
   // False when it was ended meanwhile.
   Result<bool> stand_until_the_bus_speaks(Time& origin) {
-    if (!pictures_.read(0, next_)) return failed("cannot read the first picture");
+    shown_now_ = pictures_.at(0);
     for (Time repeat = monotonic_now(); !ended;) {
       if (const Status shown = show(); !shown) return shown.error();
       repeat = repeat + kRepeat;
@@ -184,7 +183,7 @@ class Player {
         ++late_;
         continue;
       }
-      if (!pictures_.read(i, next_)) return failed("cannot read picture " + std::to_string(i));
+      shown_now_ = pictures_.at(i);
       wait_and_send(due, origin);
       if (monotonic_now() > due + kLate) {
         ++late_;
@@ -211,8 +210,8 @@ class Player {
  private:
   Status show() {
     for (int tries = 0;; ++tries) {
-      const ssize_t written = ::write(camera_.get(), next_.data(), next_.size());
-      if (written == static_cast<ssize_t>(next_.size())) return {};
+      const ssize_t written = ::write(camera_.get(), shown_now_, pictures_.bytes);
+      if (written == static_cast<ssize_t>(pictures_.bytes)) return {};
       if (written < 0 && (errno == EINTR || errno == EAGAIN) && tries < 100 && !ended) continue;
       return ended ? Status{} : Status{failed("the camera does not take a picture")};
     }
@@ -239,7 +238,7 @@ class Player {
   UniqueFd camera_;
   UniqueFd bus_;
   std::vector<LoggedFrame> log_;
-  std::vector<char> next_;
+  const char* shown_now_ = nullptr;
   std::size_t next_frame_ = 0;
   Time last_sent_;
   int shown_ = 0;
