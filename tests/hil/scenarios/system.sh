@@ -19,10 +19,11 @@ step_clock() { date -s "@$(($(date +%s) + $1))"; }
 
 check "its map so far" before_fault a
 check "the clock jumps an hour ahead" step_clock 3600
-check "nothing happens" recovers a "pose.error_m<0.1" "pose.inliers>=8"
+check "nothing happens, for a second" expect a 5 "pose.stamp_ns>$(in_ns 1)" "pose.error_m<0.1"
+check "the map stays" recovers a "pose.inliers>=8"
 check "the clock jumps two days back" step_clock -172800
-check "nothing happens" recovers a "pose.error_m<0.1" "pose.inliers>=8" \
-  health.camera.lost=0 health.can.lost=0
+check "nothing happens, for a second" expect a 5 "pose.stamp_ns>$(in_ns 1)" "pose.error_m<0.1"
+check "the map stays" recovers a "pose.inliers>=8" health.camera.lost=0 health.can.lost=0
 
 check "its map so far" before_fault a
 kill -STOP "${robot_pid[a]}"
@@ -44,7 +45,7 @@ for ((i = 0; i < 2 * $(nproc); i++)); do
   while :; do :; done &
   busy+=("$!")
 done
-check "all CPUs are busy: poses come" expect a 20 "pose.stamp_ns>$(now_ns)"
+check "three seconds long all CPUs are busy: poses come" expect a 20 "pose.stamp_ns>$(in_ns 3)"
 kill "${busy[@]}"
 check "they are idle again" recovers a
 check "the pose goes on" expect a 60 "pose.error_m<0.1" "pose.inliers>=8"
