@@ -36,7 +36,7 @@ UniqueFd make_socket(bool ipv6) {
 }
 
 Error socket_error(const std::string& what) {
-  return Error{"radio: " + what + ": " + errno_text(errno)};
+  return Error{what + ": " + errno_text(errno)};
 }
 
 // The one control message of `message`, which has room for it.

@@ -1,5 +1,6 @@
 #include "platform/daemon/config.h"
 
+#include <algorithm>
 #include <charconv>
 #include <numbers>
 #include <utility>
@@ -7,10 +8,12 @@
 #include "drivers/leds/led_output.h"
 #include "platform/config/robot_settings.h"
 #include "platform/daemon/tap/tap.h"
+#include "slam/exchange/messages.h"
 
 namespace zenith {
 namespace {
 
+constexpr std::uint32_t kLeastRate = 700;  // bytes a second for each copy, see slam/exchange
 constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 
 void append(Settings& to, Settings more) {
@@ -154,6 +157,38 @@ Settings machine_settings(DaemonConfig& c) {
   return settings;
 }
 
+Settings radio_settings(RadioConfig& radio) {
+  return {
+      {"radio.enabled", "", 0, 0, "whether maps are exchanged with other robots", &radio.enabled},
+      {"radio.key_file", "", 0, 0,
+       "the key that all robots of a fleet share, made by `zenith key new FILE`; a relative path "
+       "starts at this file's folder; empty: no radio, the robot maps alone",
+       &radio.key_file},
+      {"radio.group", "", 0, 0,
+       "multicast group, such as \"239.255.90.78\" or, for IPv6, \"ff02::5a4e\"; empty: none, "
+       "peers are listed",
+       &radio.udp.group},
+      {"radio.port", "", 1, 65535, "of the group; the same for all robots", &radio.udp.port},
+      {"radio.own_port", "", 0, 65535,
+       "where this robot is reached alone; 0: any that is free, for several robots on one computer",
+       &radio.udp.own_port},
+      {"radio.interface", "", 0, 0,
+       "network interface for the group, such as \"wlan0\"; empty: all that are up",
+       &radio.udp.interface},
+      {"radio.peers", "", 0, 0,
+       "addresses that are told everything, besides the group or without one: "
+       "\"192.168.1.7:21474, [fe80::1%wlan0]:21474\"; each robot lists the others",
+       &radio.udp.peers},
+      {"radio.max_rate", "byte/s", 5000, 1e7, "what this robot sends at most, all headers included",
+       &radio.max_rate},
+      {"radio.news_rate", "byte/s", 1000, 1e7, "of this, for changes of landmarks that peers know",
+       &radio.news_rate},
+      {"radio.forget_after_s", "s", 15, 86400,
+       "a robot that was silent for so long is asked again who it is; its map stays",
+       &radio.forget_after_s},
+  };
+}
+
 Settings led_settings(LedSettings& leds) {
   Settings settings;
   constexpr const char* kNames[kLedCount] = {"status", "peer", "fault"};
@@ -250,7 +285,20 @@ void check_relations(const DaemonConfig& c, const KeyLines& lines, Problems& pro
         " is empty; telemetry.enabled = false switches it off");
   check(!c.record.enabled || !c.record.socket.empty(), "record.socket",
         " is empty; record.enabled = false switches it off");
-  check(!c.name.empty(), "robot.name", " is empty");
+  check(exchange::is_name(c.name), "robot.name",
+        " '" + c.name + "' is no name: expected 1 to 32 bytes of UTF-8 without control characters");
+  if (c.radio.enabled && !c.radio.key_file.empty()) {
+    const Status good = zenith::check(c.radio.udp);
+    check(good.ok(), "radio.group", good ? "" : " and radio.peers: " + good.error().message);
+  }
+  const std::size_t copies = (c.radio.udp.group.empty() ? 0u : 1u) +
+                             static_cast<std::size_t>(std::count(c.radio.udp.peers.begin(),
+                                                                 c.radio.udp.peers.end(), ',')) +
+                             (c.radio.udp.peers.empty() ? 0u : 1u);
+  check(c.radio.max_rate >= kLeastRate * copies, "radio.max_rate",
+        " is too little: each of " + std::to_string(copies) +
+            " copies of what goes to everybody needs 700 bytes a second");
+  check(c.radio.news_rate <= c.radio.max_rate, "radio.news_rate", " is above radio.max_rate");
 }
 
 // "7" of "7,9-11"; false when there is none below 64.
@@ -301,6 +349,7 @@ Settings daemon_settings(DaemonConfig& c) {
   append(settings, wheel_settings(c.wheels));
   append(settings, device_settings(c));
   append(settings, machine_settings(c));
+  append(settings, radio_settings(c.radio));
   append(settings, led_settings(c.leds));
   append(settings, live({{"log.level", "", 0, 0, "less important lines are left out",
                           choice_of(c.log, {"error", "warning", "notice", "info", "debug"})}}));
@@ -323,6 +372,8 @@ Result<DaemonConfig> read_daemon_config(const std::filesystem::path& file) {
   if (!dbc.empty()) dbc = (file.parent_path() / dbc).string();
   std::string& folder = config.replay.folder;
   if (!folder.empty()) folder = (file.parent_path() / folder).string();
+  std::string& key = config.radio.key_file;
+  if (!key.empty()) key = (file.parent_path() / key).string();
   // What a value out of its range brings about elsewhere would only hide it.
   if (!problems.any()) {
     check_devices(config, lines, problems);

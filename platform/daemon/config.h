@@ -10,6 +10,7 @@
 #include "drivers/camera/v4l2_settings.h"
 #include "drivers/leds/led_name.h"
 #include "drivers/odometry/wheel_codec_config.h"
+#include "drivers/radio/udp_radio.h"
 #include "platform/base/result.h"
 #include "platform/config/setting.h"
 #include "platform/linux/log.h"
@@ -57,6 +58,15 @@ struct RecordConfig {
   int frames = 16;                     // that wait for a recorder
 };
 
+struct RadioConfig {
+  bool enabled = true;
+  std::string key_file;  // empty: no radio
+  RadioSettings udp;
+  std::uint32_t max_rate = 100'000;  // bytes a second
+  std::uint32_t news_rate = 20'000;
+  double forget_after_s = 60.0;
+};
+
 struct SimulationConfig {
   std::string world = "corridor-rooms";
   std::string robot;           // by name; empty: the world's first
@@ -88,6 +98,7 @@ struct DaemonConfig {
   LoadConfig load;
   TelemetryConfig telemetry;
   RecordConfig record;
+  RadioConfig radio;
   LedSettings leds;
   LogChoice log = LogChoice::kInfo;
   Parameters slam;

@@ -37,6 +37,7 @@ constexpr std::array kSections = {
                 "What happens when the computer is too slow: fewer corners for each frame."},
     SectionText{"telemetry", "A local socket with lines of JSON: docs/daemon.md."},
     SectionText{"record", "`zenith record` of the running robot: docs/recording.md."},
+    SectionText{"radio", "Other robots: docs/protocol.md. All that share a key build one map."},
     SectionText{"leds", "What the robot's lights show: drivers/leds/README.md."},
     SectionText{"log", "Lines on the standard error output, for journald or a person."},
     SectionText{"slam",

@@ -1,48 +1,60 @@
 #include "platform/daemon/cooperation.h"
 
+#include "platform/daemon/radio_link.h"
 #include "platform/linux/clock.h"
 
 namespace zenith {
 namespace {
 
 constexpr auto kRelaxed = std::memory_order_relaxed;
+constexpr Duration kStatusPeriod = {500'000'000};
+
+exchange::Health health_of(RobotLight light) {
+  switch (light) {
+    case RobotLight::kMapping:
+      return exchange::Health::kMapping;
+    case RobotLight::kMerged:
+      return exchange::Health::kMerged;
+    case RobotLight::kDegraded:
+      return exchange::Health::kDegraded;
+    case RobotLight::kFault:
+      return exchange::Health::kFault;
+    default:
+      return exchange::Health::kStarting;
+  }
+}
 
 }  // namespace
 
 void Cooperation::run(const std::atomic<bool>& stop) {
-  constexpr Duration kPeriod = {10'000'000};
   while (!stop.load(kRelaxed)) {
-    turn_once();
-    sleep_until(monotonic_now() + kPeriod);
+    turn_once(monotonic_now());
+    if (link_ != nullptr) {
+      link_->wait(monotonic_now());
+    } else {
+      sleep_until(monotonic_now() + RadioLink::kSlice);
+    }
   }
+  if (link_ != nullptr) link_->finish(monotonic_now());
 }
 
-void Cooperation::turn_once() {
+void Cooperation::turn_once(Time now) {
   send_own();
-  if (link_ != nullptr) receive();
+  if (link_ == nullptr) return;
+  link_->turn(now, health_of(light_.load(kRelaxed)));
+  received_.store(link_->records_received(), kRelaxed);
+  if (now < next_status_) return;
+  next_status_ = now + kStatusPeriod;
+  link_->write_status(told_, now);
+  status_.write(told_);
 }
 
 void Cooperation::send_own() {
-  std::size_t count = 0;
-  do {
-    for (count = 0; count < batch_.size() && exchange_.own.pop(batch_[count]);) ++count;
-    if (link_ != nullptr && count > 0) link_->send(std::span(batch_).first(count));
-    (link_ != nullptr ? sent_ : unheard_).fetch_add(count, kRelaxed);
-  } while (count == batch_.size());
-  MergeNews merge;
-  while (exchange_.own_merges.pop(merge)) {
-    if (link_ != nullptr) link_->send_merge(merge);
+  LandmarkRecord record;
+  while (exchange_.own.pop(record)) {
+    const bool told = link_ != nullptr && link_->send_own(record);
+    (told ? sent_ : unheard_).fetch_add(1, kRelaxed);
   }
-}
-
-void Cooperation::receive() {
-  while (holds_ || link_->receive(held_)) {
-    holds_ = !exchange_.peers.push(held_);
-    if (holds_) break;  // perception is behind: later
-    received_.fetch_add(1, kRelaxed);
-  }
-  MergeNews merge;
-  while (link_->receive_merge(merge)) exchange_.merges_with_us.push(merge);
 }
 
 CooperationCounters Cooperation::counters() const {

@@ -10,6 +10,7 @@
 #include "platform/daemon/device_keeper.h"
 #include "platform/daemon/housekeeping.h"
 #include "platform/daemon/perception.h"
+#include "platform/daemon/radio_link.h"
 #include "platform/daemon/tap/daemon_tap.h"
 #include "platform/daemon/version.h"
 #include "platform/linux/clock.h"
@@ -107,6 +108,31 @@ void tell_ready(ServiceNotify& notify) {
   if (!told) log_lines(LogLevel::kError, told.error().message);
 }
 
+// None without a key, or with one that is no secret: the robot maps alone.
+std::unique_ptr<RadioLink> make_radio_link(const DaemonConfig& config, Exchange& exchange) {
+  if (!config.radio.enabled || config.radio.key_file.empty()) {
+    log_line(LogLevel::kNotice, "radio off: %s; this robot maps alone",
+             config.radio.enabled ? "radio.key_file names no key" : "radio.enabled is false");
+    return nullptr;
+  }
+  auto keys = read_fleet_keys(config.radio.key_file);
+  if (!keys) {
+    log_lines(LogLevel::kError, keys.error().message);
+    log_line(LogLevel::kError, "radio off: no key that could be used; this robot maps alone");
+    return nullptr;
+  }
+  log_line(LogLevel::kInfo, "radio: fleet key %s%s", hint_text(key_hint(keys->current)).c_str(),
+           keys->has_previous ? ", and the one before it" : "");
+  SessionSettings sessions;
+  sessions.keys = *keys;
+  sessions.name.assign(config.name);
+  sessions.boot = secret_number();
+  sessions.secret = SecretKey::random();
+  sessions.forget_after = Duration::from_seconds(config.radio.forget_after_s);
+  const auto map = static_cast<std::uint32_t>(secret_number());
+  return std::make_unique<RadioLink>(config.radio, sessions, map, exchange);
+}
+
 [[noreturn]] void leave_without_threads() {
   log_line(LogLevel::kError, "a thread did not end in time: leaving without it");
   process_log().drain(monotonic_now());
@@ -135,7 +161,8 @@ int run_daemon(const DaemonConfig& config, const std::filesystem::path& file,
   const auto perception = std::make_unique<Perception>(
       *devices, config.slam, config.seed, live_settings(config), *exchange, tap.tap.get());
   warm_up(devices->robot, config.slam);
-  Cooperation cooperation(*exchange, nullptr);  // no radio yet: this robot works alone
+  const auto link = make_radio_link(config, *exchange);
+  const auto cooperation = std::make_unique<Cooperation>(*exchange, link.get());
   DeviceKeeper keeper(*devices->camera, perception->camera_turn(), *devices->can,
                       perception->can_turn());
   log_line(LogLevel::kInfo, "devices: %s", devices->description.c_str());
@@ -158,7 +185,7 @@ int run_daemon(const DaemonConfig& config, const std::filesystem::path& file,
       report);
   started = started && threads->start(
                            {.name = "zen-cooperation"},
-                           [&](const std::atomic<bool>& stop) { cooperation.run(stop); }, report);
+                           [&](const std::atomic<bool>& stop) { cooperation->run(stop); }, report);
   started = started && threads->start(
                            {.name = "zen-keeper"},
                            [&](const std::atomic<bool>& stop) { keeper.run(stop); }, report);
@@ -169,7 +196,7 @@ int run_daemon(const DaemonConfig& config, const std::filesystem::path& file,
   }
   log_report(report);
 
-  Housekeeping housekeeping(config, file, devices->description, *perception, cooperation, notify);
+  Housekeeping housekeeping(config, file, devices->description, *perception, *cooperation, notify);
   if (started) {
     housekeeping.start(monotonic_now());
     tell_ready(notify);

@@ -27,32 +27,6 @@ std::string join(const std::vector<std::string>& words) {
   return text;
 }
 
-void log_event(const PerceptionEvent& event) {
-  switch (event.kind) {
-    case PerceptionEventKind::kFirstPose:
-      return log_line(LogLevel::kNotice, "first pose");
-    case PerceptionEventKind::kCameraLost:
-      return log_line(LogLevel::kWarning, "camera lost: %s; opening it again", event.text);
-    case PerceptionEventKind::kCanLost:
-      return log_line(LogLevel::kWarning, "CAN bus lost: %s; opening it again", event.text);
-    case PerceptionEventKind::kBusOff:
-      return log_line(LogLevel::kWarning, "the CAN controller left the bus (bus-off)");
-    case PerceptionEventKind::kBusBack:
-      return log_line(LogLevel::kNotice, "the CAN controller is back on the bus");
-    case PerceptionEventKind::kMerged:
-      return log_line(LogLevel::kNotice,
-                      "merged with peer %d: its start lies at %.2f %.2f m, %.3f rad", event.peer,
-                      event.pose.x_m, event.pose.y_m, event.pose.theta_rad);
-    case PerceptionEventKind::kWithdrawn:
-      return log_line(LogLevel::kWarning, "the merge with peer %d is withdrawn", event.peer);
-    case PerceptionEventKind::kShedding:
-      return log_line(LogLevel::kWarning, "a step takes too long: %d corners for each frame",
-                      event.value);
-    case PerceptionEventKind::kShedNoMore:
-      return log_line(LogLevel::kNotice, "steps are quick enough again: all corners");
-  }
-}
-
 }  // namespace
 
 void log_lines(LogLevel level, const std::string& text) {
@@ -71,7 +45,7 @@ LiveSettings live_settings(const DaemonConfig& config) {
 
 Housekeeping::Housekeeping(DaemonConfig config, std::filesystem::path file,
                            const std::string& devices, Perception& perception,
-                           const Cooperation& cooperation, ServiceNotify& notify)
+                           Cooperation& cooperation, ServiceNotify& notify)
     : config_(std::move(config)),
       file_(std::move(file)),
       devices_(devices),
@@ -94,17 +68,46 @@ void Housekeeping::start(Time now) {
 }
 
 void Housekeeping::tick(Time now) {
-  log_events();
   perception_.read(report_);
+  cooperation_.read(link_);
+  log_events();
   note_lately(now);
   const RobotLight before = health_.light;
   health_ = judge_health(report_, lately_, started_, now);
   if (health_.light != before) light_changed_ = now;
+  cooperation_.set_light(health_.light);
   show_lights(now);
   send_telemetry(now);
   feed_watchdog(now);
   tell_status(now);
   process_log().drain(now);
+}
+
+void Housekeeping::log_event(const PerceptionEvent& event) const {
+  switch (event.kind) {
+    case PerceptionEventKind::kFirstPose:
+      return log_line(LogLevel::kNotice, "first pose");
+    case PerceptionEventKind::kCameraLost:
+      return log_line(LogLevel::kWarning, "camera lost: %s; opening it again", event.text);
+    case PerceptionEventKind::kCanLost:
+      return log_line(LogLevel::kWarning, "CAN bus lost: %s; opening it again", event.text);
+    case PerceptionEventKind::kBusOff:
+      return log_line(LogLevel::kWarning, "the CAN controller left the bus (bus-off)");
+    case PerceptionEventKind::kBusBack:
+      return log_line(LogLevel::kNotice, "the CAN controller is back on the bus");
+    case PerceptionEventKind::kMerged:
+      return log_line(
+          LogLevel::kNotice, "merged with robot %s: its start lies at %.2f %.2f m, %.3f rad",
+          link_.name_of(event.peer), event.pose.x_m, event.pose.y_m, event.pose.theta_rad);
+    case PerceptionEventKind::kWithdrawn:
+      return log_line(LogLevel::kWarning, "the merge with robot %s is withdrawn",
+                      link_.name_of(event.peer));
+    case PerceptionEventKind::kShedding:
+      return log_line(LogLevel::kWarning, "a step takes too long: %d corners for each frame",
+                      event.value);
+    case PerceptionEventKind::kShedNoMore:
+      return log_line(LogLevel::kNotice, "steps are quick enough again: all corners");
+  }
 }
 
 void Housekeeping::log_events() {
@@ -165,7 +168,15 @@ void Housekeeping::send_telemetry(Time now) {
   telemetry_.send(deadlines.finish());
   for (const PeerReport& peer : report_.peers) {
     JsonLine line;
-    write_peer(line, peer, report_.stamp);
+    write_alignment(line, peer, link_.name_of(peer.peer), report_.stamp);
+    telemetry_.send(line.finish());
+  }
+  JsonLine radio;
+  write_radio(radio, link_, now);
+  telemetry_.send(radio.finish());
+  for (const LinkPeer& peer : link_.peers) {
+    JsonLine line;
+    write_peer(line, peer, now);
     telemetry_.send(line.finish());
   }
 }

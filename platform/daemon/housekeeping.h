@@ -25,7 +25,7 @@ class Housekeeping {
  public:
   // All must outlive it. `file` is read again by reload().
   Housekeeping(DaemonConfig config, std::filesystem::path file, const std::string& devices,
-               Perception& perception, const Cooperation& cooperation, ServiceNotify& notify);
+               Perception& perception, Cooperation& cooperation, ServiceNotify& notify);
 
   // Telemetry and lights. What does not work is logged; the daemon goes on.
   void start(Time now);
@@ -41,6 +41,7 @@ class Housekeeping {
 
  private:
   void log_events();
+  void log_event(const PerceptionEvent& event) const;
   void note_lately(Time now);
   void show_lights(Time now);
   void make_lights(const LedSettings& settings);
@@ -53,13 +54,14 @@ class Housekeeping {
   const std::filesystem::path file_;
   const std::string devices_;
   Perception& perception_;
-  const Cooperation& cooperation_;
+  Cooperation& cooperation_;
   ServiceNotify& notify_;
 
   TelemetrySocket telemetry_;
   std::unique_ptr<LedOutput> leds_;
   Time started_;
   PerceptionReport report_;
+  LinkStatus link_;
   Health health_;
   Lately lately_;
   Lately lately_before_;  // totals when lately_ began

@@ -215,12 +215,17 @@ void Perception::receive_peers() {
     if (count > 0) slam_->receive(peer, std::span(records_).first(count));
     count = 0;
   };
-  PeerRecord next;
+  PeerNews next;
   for (int i = 0; i < kMaxPeerRecords && exchange_.peers.pop(next); ++i) {
     if (next.peer < 0 || next.peer >= kMaxPeers) continue;
-    if (next.peer != peer || count == records_.size()) hand_over();
+    const bool forget = next.kind == PeerNews::Kind::kForget;
+    if (forget || next.peer != peer || count == records_.size()) hand_over();
     peer = next.peer;
-    records_[count++] = next.record;
+    if (forget) {
+      slam_->forget(peer);
+    } else {
+      records_[count++] = next.record;
+    }
   }
   hand_over();
   MergeNews merge;
@@ -252,10 +257,14 @@ void Perception::note_alignments() {
     const bool merged = alignment.state == AlignmentState::kMerged;
     if (merged && !before) tell(PerceptionEventKind::kMerged, "", alignment.peer);
     if (before && !merged) tell(PerceptionEventKind::kWithdrawn, "", alignment.peer);
-    if (merged) exchange_.own_merges.push({alignment.peer, alignment.T_own_peer});
     peers.push_back(report_of(alignment));
   }
   report_.peers = peers;
+  OwnState state;
+  state.has_pose = true;
+  state.T_start_robot = report_.T_start_robot;
+  state.peers = peers;
+  exchange_.own_state.write(state);
 }
 
 void Perception::note_load(Duration wall) {

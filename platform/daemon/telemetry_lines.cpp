@@ -2,6 +2,8 @@
 
 #include <array>
 
+#include "drivers/radio/endpoint_text.h"
+
 namespace zenith {
 namespace {
 
@@ -104,10 +106,11 @@ void write_pose(JsonLine& line, const PerceptionReport& report) {
       .number("inliers", report.inliers);
 }
 
-void write_peer(JsonLine& line, const PeerReport& peer, Time stamp) {
+void write_alignment(JsonLine& line, const PeerReport& peer, std::string_view name, Time stamp) {
   line.text("type", "alignment")
       .count("stamp_ns", ns_of(stamp))
       .number("peer", peer.peer)
+      .text("name", name)
       .text("state", state_text(peer.state))
       .numbers("pose", numbers_of(peer.T_own_peer))
       .numbers("variance", peer.variance)
@@ -137,6 +140,63 @@ void write_health(JsonLine& line, const PerceptionReport& report, const Health& 
       .count("minor", report.faults.minor)
       .count("major", report.faults.major)
       .end();
+}
+
+void write_radio(JsonLine& line, const LinkStatus& status, Time now) {
+  line.text("type", "radio")
+      .count("stamp_ns", ns_of(now))
+      .flag("enabled", status.enabled)
+      .flag("open", status.open)
+      .count("peers", status.peers.size());
+  const RadioCounters& r = status.radio;
+  line.begin("udp")
+      .count("sent", r.sent)
+      .count("received", r.received)
+      .count("dropped", r.dropped)
+      .count("too_long", r.too_long)
+      .count("unreachable", r.unreachable)
+      .count("no_buffer", r.no_buffer)
+      .count("forbidden", r.forbidden)
+      .count("not_sent", r.not_sent)
+      .end();
+  const LinkCounters& l = status.link;
+  line.begin("link")
+      .count("sent_bytes", l.sent_bytes)
+      .count("received", l.received)
+      .count("received_bytes", l.received_bytes)
+      .count("challenges", l.challenges)
+      .count("responses", l.responses)
+      .count("verified", l.verified)
+      .end();
+  line.begin("rejected");
+  for (std::size_t i = 0; i < l.rejected.size(); ++i) {
+    line.count(rejected_name(static_cast<Rejected>(i)), l.rejected[i]);
+  }
+  line.end();
+  const exchange::Counters& e = status.exchange;
+  line.begin("exchange")
+      .count("news_sent", e.news_sent)
+      .count("served_sent", e.served_sent)
+      .count("requests_sent", e.requests_sent)
+      .count("requests_received", e.requests_received)
+      .count("records_received", e.records_received)
+      .count("records_new", e.records_new)
+      .count("no_room", e.no_room)
+      .count("faults", e.malformed + e.inconsistent + e.too_much)
+      .count("quarantines", e.quarantines)
+      .count("checksum_differed", e.checksum_differed)
+      .end();
+}
+
+void write_peer(JsonLine& line, const LinkPeer& peer, Time now) {
+  line.text("type", "peer")
+      .text("name", peer.name.view())
+      .text("address", endpoint_text(peer.address))
+      .number("peer", peer.slot)
+      .number("age_s", (now - peer.heard).seconds())
+      .flag("complete", peer.complete)
+      .count("landmarks", peer.landmarks)
+      .flag("quarantined", peer.quarantined);
 }
 
 void write_deadlines(JsonLine& line, const Deadlines& deadlines) {

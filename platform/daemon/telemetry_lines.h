@@ -7,6 +7,7 @@
 #include "platform/daemon/deadlines.h"
 #include "platform/daemon/health.h"
 #include "platform/daemon/json_line.h"
+#include "platform/daemon/link_status.h"
 #include "platform/daemon/perception_report.h"
 
 namespace zenith {
@@ -15,9 +16,11 @@ namespace zenith {
 void write_hello(JsonLine& line, std::string_view robot, std::string_view version,
                  std::string_view devices);
 void write_pose(JsonLine& line, const PerceptionReport& report);
-void write_peer(JsonLine& line, const PeerReport& peer, Time stamp);
+void write_alignment(JsonLine& line, const PeerReport& peer, std::string_view name, Time stamp);
 void write_health(JsonLine& line, const PerceptionReport& report, const Health& health,
                   const CooperationCounters& cooperation);
+void write_radio(JsonLine& line, const LinkStatus& status, Time now);
+void write_peer(JsonLine& line, const LinkPeer& peer, Time now);
 void write_deadlines(JsonLine& line, const Deadlines& deadlines);
 
 }  // namespace zenith

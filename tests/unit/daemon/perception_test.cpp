@@ -118,7 +118,7 @@ TEST(Perception, TakesNothingFromTheHeap) {
   LandmarkRecord landmark;
   for (std::uint32_t i = 0; i < 300; ++i) {
     landmark.id = i;
-    rig.exchange->peers.push({static_cast<int>(i % 3), landmark});
+    rig.exchange->peers.push({static_cast<int>(i % 3), PeerNews::Kind::kRecord, landmark});
   }
   ASSERT_TRUE(rig.wait_for([](const auto& r) { return r.can_up && r.steps.frames >= 60; }));
   rig.stop();

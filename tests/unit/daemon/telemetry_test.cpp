@@ -142,9 +142,25 @@ TEST(TelemetryLines, FitWithTheLargestNumbers) {
   JsonLine pose;
   write_pose(pose, report);
   EXPECT_NE(pose.finish(), "");
+  const std::string longest_name(exchange::kMaxName, '"');
+  JsonLine alignment;
+  write_alignment(alignment, {}, longest_name, {});
+  EXPECT_THAT(std::string(alignment.finish()), HasSubstr("\"state\":\"candidate\""));
+  LinkStatus status;
+  std::memset(static_cast<void*>(&status.radio), 0xff, sizeof status.radio);
+  std::memset(static_cast<void*>(&status.link), 0xff, sizeof status.link);
+  std::memset(static_cast<void*>(&status.exchange), 0xff, sizeof status.exchange);
+  JsonLine radio;
+  write_radio(radio, status, {});
+  EXPECT_THAT(std::string(radio.finish()), HasSubstr("\"checksum_differed\""));
+  LinkPeer robot;
+  robot.name.assign(longest_name);
+  robot.address.is_ipv6 = true;
+  robot.address.address.fill(0xff);
+  robot.address.interface = ~0U;
   JsonLine peer;
-  write_peer(peer, {}, {});
-  EXPECT_THAT(std::string(peer.finish()), HasSubstr("\"state\":\"candidate\""));
+  write_peer(peer, robot, {});
+  EXPECT_THAT(std::string(peer.finish()), HasSubstr("\"complete\":false"));
 }
 
 }  // namespace

@@ -1,0 +1,173 @@
+// The cooperation thread's work on real sockets of the loopback interface.
+
+#include "platform/daemon/radio_link.h"
+
+#include <unistd.h>
+
+#include <functional>
+#include <memory>
+
+#include <gtest/gtest.h>
+
+#include "platform/daemon/cooperation.h"
+#include "platform/linux/clock.h"
+
+namespace zenith {
+namespace {
+
+RadioConfig radio_config() {
+  RadioConfig config;
+  config.udp.port = 20000 + static_cast<int>(::getpid() % 10000);
+  config.udp.own_port = 0;
+  config.udp.interface = "lo";
+  return config;
+}
+
+SessionSettings session_settings(const char* name, std::uint8_t fleet) {
+  SessionSettings settings;
+  for (std::uint8_t& byte : settings.keys.current.bytes()) byte = fleet;
+  settings.name.assign(name);
+  settings.boot = secret_number();
+  settings.secret = SecretKey::random();
+  return settings;
+}
+
+struct Robot {
+  explicit Robot(const char* name, std::uint8_t fleet = 1)
+      : link(std::make_unique<RadioLink>(radio_config(), session_settings(name, fleet),
+                                         static_cast<std::uint32_t>(secret_number()), *exchange)),
+        cooperation(std::make_unique<Cooperation>(*exchange, link.get())) {}
+
+  void turn() {
+    cooperation->turn_once(monotonic_now());
+    link->wait(monotonic_now());
+  }
+  LinkStatus status() const {
+    LinkStatus status;
+    cooperation->read(status);
+    return status;
+  }
+  // What perception would take out.
+  void perceive() {
+    for (PeerNews news; exchange->peers.pop(news);) {
+      if (news.kind == PeerNews::Kind::kForget) ++forgotten;
+      if (news.kind == PeerNews::Kind::kRecord) ++records;
+      slot = news.peer;
+    }
+    for (MergeNews merge; exchange->merges_with_us.pop(merge);) offer = merge;
+  }
+
+  std::unique_ptr<Exchange> exchange = std::make_unique<Exchange>();
+  std::unique_ptr<RadioLink> link;
+  std::unique_ptr<Cooperation> cooperation;
+  int records = 0;
+  int forgotten = 0;
+  int slot = -1;
+  MergeNews offer = {-1, {}};
+};
+
+LandmarkRecord landmark(std::uint32_t id) {
+  LandmarkRecord record;
+  record.id = id;
+  record.x_m = 1.0F;
+  record.z_m = 2.0F;
+  record.covariance_m2 = {0.01F, 0.0F, 0.0F, 0.01F, 0.0F, 0.01F};
+  return record;
+}
+
+class RadioLinkTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (usable_interfaces("lo", false).empty()) {
+      GTEST_SKIP() << "SKIPPED: no address on the loopback interface";
+    }
+  }
+  // Turns both until it holds, at most for 20 s.
+  static bool run_until(Robot& a, Robot& b, const std::function<bool()>& holds,
+                        double limit_s = 20.0) {
+    const Time limit = monotonic_now() + Duration::from_seconds(limit_s);
+    while (monotonic_now() < limit) {
+      for (Robot* robot : {&a, &b}) {
+        robot->turn();
+        robot->perceive();
+      }
+      if (holds()) return true;
+    }
+    return false;
+  }
+};
+
+TEST_F(RadioLinkTest, TwoRobotsTellEachOtherTheirMapsAndMerges) {
+  Robot ada("ada");
+  Robot bert("bert");
+  for (std::uint32_t id = 1; id <= 100; ++id) ada.exchange->own.push(landmark(id));
+  ASSERT_TRUE(run_until(ada, bert, [&] { return bert.records >= 100; })) << bert.records;
+  EXPECT_EQ(ada.cooperation->counters().sent, 100u);
+  EXPECT_EQ(bert.cooperation->counters().received, 100u);
+
+  // Bert merges ada's map: ada hears how.
+  OwnState state;
+  state.has_pose = true;
+  PeerReport merged;
+  merged.peer = bert.slot;
+  merged.state = AlignmentState::kMerged;
+  merged.T_own_peer = {2.0, 1.0, 0.5};
+  state.peers.push_back(merged);
+  bert.exchange->own_state.write(state);
+  ASSERT_TRUE(run_until(ada, bert, [&] { return ada.offer.peer >= 0; }));
+  const Pose2 expected = merged.T_own_peer.inverse();
+  EXPECT_NEAR(ada.offer.T_own_peer.x_m, expected.x_m, 0.002);
+  EXPECT_NEAR(ada.offer.T_own_peer.y_m, expected.y_m, 0.002);
+  EXPECT_NEAR(ada.offer.T_own_peer.theta_rad, expected.theta_rad, 0.001);
+
+  // The status has it all.
+  ASSERT_TRUE(run_until(ada, bert, [&] {
+    const LinkStatus status = bert.status();
+    return status.peers.size() == 1 && status.peers[0].complete;
+  }));
+  const LinkStatus status = bert.status();
+  EXPECT_TRUE(status.enabled);
+  EXPECT_TRUE(status.open);
+  EXPECT_EQ(status.peers[0].name.view(), "ada");
+  EXPECT_EQ(status.peers[0].landmarks, 100u);
+  EXPECT_STREQ(status.name_of(status.peers[0].slot), "ada");
+  EXPECT_STREQ(status.name_of(-1), "?");
+  EXPECT_FALSE(status.peers[0].quarantined);
+
+  // And goodbye.
+  ada.link->finish(monotonic_now());
+  ASSERT_TRUE(run_until(bert, bert, [&] { return bert.status().peers.empty(); }));
+}
+
+TEST_F(RadioLinkTest, LosesNothingThatPerceptionHasNoRoomFor) {
+  Robot ada("ada");
+  Robot bert("bert");
+  const int many = static_cast<int>(Exchange::kRecords) + 300;
+  for (int id = 1; id <= many; ++id) {
+    ASSERT_TRUE(ada.link->send_own(landmark(static_cast<std::uint32_t>(id))));
+  }
+  // Perception sleeps until the queue is full.
+  const Time limit = monotonic_now() + Duration{30'000'000'000};
+  while (bert.exchange->peers.size() + 60 < Exchange::kRecords && monotonic_now() < limit) {
+    ada.turn();
+    bert.turn();
+  }
+  EXPECT_EQ(bert.exchange->peers.rejected(), 0u);
+  EXPECT_TRUE(run_until(
+      ada, bert, [&] { return bert.records >= many; }, 60.0))
+      << bert.records;
+}
+
+TEST_F(RadioLinkTest, AnotherFleetIsNotHeard) {
+  Robot ada("ada", 1);
+  Robot zoe("zoe", 2);
+  zoe.exchange->own.push(landmark(1));
+  ASSERT_TRUE(run_until(ada, zoe, [&] {
+    return ada.status().link.rejected[static_cast<std::size_t>(Rejected::kOtherKey)] > 2;
+  }));
+  EXPECT_TRUE(ada.status().peers.empty());
+  EXPECT_EQ(ada.records, 0);
+}
+
+}  // namespace
+}  // namespace zenith
