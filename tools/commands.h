@@ -15,6 +15,7 @@ void add_sim_command(CLI::App& app, int& exit_code);
 void add_record_command(CLI::App& app, int& exit_code);
 void add_replay_command(CLI::App& app, int& exit_code);
 void add_eval_command(CLI::App& app, int& exit_code);
+void add_doctor_command(CLI::App& app, int& exit_code);
 void add_demo_command(CLI::App& app, int& exit_code);
 void add_descriptors_command(CLI::App& app, int& exit_code);
 void add_key_command(CLI::App& app, int& exit_code);

@@ -16,6 +16,7 @@ constexpr const char* kFooter =
   zenith eval corridor-rooms           figures against the ground truth
 
 On a robot:
+  zenith doctor --config zenith.toml   what is wrong, and what to do
   zenith record rec/anna               record what the running zenithd sees
 
 `zenith COMMAND --help` explains a command with examples; `zenith --parameters` lists what
@@ -33,6 +34,7 @@ int run(int argc, char** argv) {
   add_demo_command(app, exit_code);
   add_descriptors_command(app, exit_code);
   add_sim_command(app, exit_code);
+  add_doctor_command(app, exit_code);
   add_record_command(app, exit_code);
   add_replay_command(app, exit_code);
   add_eval_command(app, exit_code);

@@ -1,0 +1,174 @@
+#include "tools/doctor/check_daemon.h"
+
+#include <sys/socket.h>
+
+#include <array>
+#include <cerrno>
+#include <cstdio>
+#include <map>
+
+#include <nlohmann/json.hpp>
+
+#include "platform/linux/clock.h"
+#include "platform/linux/errno_text.h"
+#include "platform/linux/local_socket.h"
+#include "platform/linux/wait_readable.h"
+#include "tools/record/source.h"
+
+namespace zenith::tools {
+namespace {
+
+using Json = nlohmann::json;
+
+// A number of a line, whatever else it may be.
+double number(const Json& line, const char* object, const char* key) {
+  const Json& from = object[0] == '\0' ? line : line.value(object, Json::object());
+  if (!from.is_object() || !from.contains(key) || !from[key].is_number()) return 0.0;
+  return from[key].get<double>();
+}
+
+std::string text(const Json& line, const char* key) {
+  return line.contains(key) && line[key].is_string() ? line[key].get<std::string>() : "?";
+}
+
+std::string whole(double value) {
+  char digits[32];
+  std::snprintf(digits, sizeof digits, "%.0f", value);
+  return digits;
+}
+
+int peer_of(int fd) {
+  ucred peer = {};
+  socklen_t size = sizeof(peer);
+  return ::getsockopt(fd, SOL_SOCKET, SO_PEERCRED, &peer, &size) == 0 ? peer.pid : 0;
+}
+
+// The last line of each type.
+std::map<std::string, Json> by_type(const std::vector<std::string>& lines) {
+  std::map<std::string, Json> found;
+  for (const std::string& line : lines) {
+    Json json = Json::parse(line, nullptr, false);
+    if (!json.is_object()) continue;
+    const std::string type = text(json, "type");
+    found[type] = std::move(json);
+  }
+  return found;
+}
+
+Finding check_health(const Json& health) {
+  const std::string what = "daemon state";
+  const std::string state = text(health, "state");
+  const std::string reason = text(health, "reason");
+  const std::string found = state + (reason.empty() || reason == "?" ? "" : ": " + reason);
+  if (state == "mapping" || state == "merged") return ok(what, found);
+  if (state == "fault")
+    return fail(what, found, "its log says more", "journalctl -u zenithd -n 50");
+  return warn(what, found, "its log says more", "journalctl -u zenithd -n 50");
+}
+
+Finding check_devices(const Json& health) {
+  const std::string what = "daemon devices";
+  const bool camera = health.value("/camera/up"_json_pointer, false);
+  const bool can = health.value("/can/up"_json_pointer, false);
+  std::string found = std::string("camera ") + (camera ? "up" : "down") + ", " +
+                      whole(number(health, "camera", "frames")) + " frames; CAN bus " +
+                      (can ? "up" : "down") + ", " + whole(number(health, "wheels", "samples")) +
+                      " samples of the wheels";
+  const double lost = number(health, "camera", "lost") + number(health, "can", "lost");
+  if (!camera || !can) return fail(what, found, "see the lines about this device");
+  if (lost > 0.0) {
+    return warn(what, found + "; lost and opened again " + whole(lost) + " times",
+                "look at cables and supply", "sudo dmesg | tail -30");
+  }
+  return ok(what, found);
+}
+
+Finding check_deadlines(const Json& deadlines) {
+  const std::string what = "daemon deadlines";
+  const double met = number(deadlines, "", "met");
+  const double missed = number(deadlines, "", "missed");
+  const double own = missed - number(deadlines, "", "explained");
+  const std::string found = whole(missed) + " of " + whole(met + missed) +
+                            " frames late, of these for want of a CPU " + whole(missed - own);
+  if (missed <= 0.01 * (met + missed)) return ok(what, found);
+  if (own > 0.5 * missed) {
+    return warn(what, found, "this computer is too slow: a lower camera.rate_hz, fewer particles");
+  }
+  return warn(what, found, "other programs take its CPU: see the lines about realtime");
+}
+
+Finding check_peers(const std::map<std::string, Json>& lines, const Json& health) {
+  const std::string what = "daemon peers";
+  const double received = number(health, "cooperation", "received");
+  if (received > 0.0 || lines.count("alignment") > 0) {
+    return ok(what, whole(received) + " records of peers received");
+  }
+  return ok(what, "no peer heard so far");
+}
+
+}  // namespace
+
+DaemonFacts ask_daemon(const DaemonConfig& config, Duration patience) {
+  DaemonFacts facts;
+  UniqueFd fd;
+  for (const std::string& path : runtime_paths(config.telemetry.socket)) {
+    int error = 0;
+    if (facts.path.empty()) facts.path = path;
+    fd = connect_local(path, SOCK_SEQPACKET, error);
+    if (fd.is_open()) {
+      facts.path = path;
+      break;
+    }
+    if (error == EACCES) facts.problem = path + ": " + errno_text(error);
+  }
+  if (!fd.is_open()) return facts;
+  facts.running = true;
+  facts.pid = peer_of(fd.get());
+  const Time limit = monotonic_now() + patience;
+  bool health = false;
+  bool deadlines = false;
+  while (monotonic_now() < limit && !(health && deadlines)) {
+    if (wait_readable(fd.get(), limit - monotonic_now()) <= 0) break;
+    std::array<char, 8192> packet;
+    const ssize_t size = ::recv(fd.get(), packet.data(), packet.size(), MSG_DONTWAIT);
+    if (size <= 0) break;
+    facts.lines.emplace_back(packet.data(), static_cast<std::size_t>(size));
+    health = health || facts.lines.back().find("\"type\":\"health\"") != std::string::npos;
+    deadlines = deadlines || facts.lines.back().find("\"type\":\"deadlines\"") != std::string::npos;
+  }
+  return facts;
+}
+
+Findings check_daemon(const DaemonFacts& facts) {
+  const std::string what = "daemon";
+  if (!facts.running && !facts.problem.empty()) {
+    return {warn(what, facts.problem, "it cannot be asked by this user: use sudo")};
+  }
+  if (!facts.running) return {skip(what, "none is running (nobody listens at " + facts.path + ")")};
+  const auto lines = by_type(facts.lines);
+  if (lines.empty()) {
+    return {fail(what, "it listens at " + facts.path + " and says nothing",
+                 "it hangs, or has more readers than it takes", "journalctl -u zenithd -n 50")};
+  }
+  std::string found = "running";
+  if (const auto hello = lines.find("hello"); hello != lines.end()) {
+    found += ", robot " + text(hello->second, "robot") + ", version " +
+             text(hello->second, "version") + "; " + text(hello->second, "devices");
+  }
+  Findings findings = {ok(what, found)};
+  const auto health = lines.find("health");
+  if (health == lines.end()) {
+    findings.push_back(fail("daemon state", "it tells none", "its main thread hangs",
+                            "journalctl -u zenithd -n 50"));
+    return findings;
+  }
+  findings.push_back(check_health(health->second));
+  findings.push_back(check_devices(health->second));
+  if (const auto deadlines = lines.find("deadlines"); deadlines != lines.end()) {
+    findings.push_back(check_deadlines(deadlines->second));
+  }
+  findings.push_back(check_peers(lines, health->second));
+  return findings;
+}
+
+}  // namespace zenith::tools

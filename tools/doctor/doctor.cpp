@@ -1,0 +1,151 @@
+#include "tools/doctor/doctor.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "drivers/camera/v4l2_camera.h"
+#include "drivers/odometry/socket_can.h"
+#include "drivers/radio/udp_radio.h"
+#include "tools/doctor/check_camera.h"
+#include "tools/doctor/check_can.h"
+#include "tools/doctor/check_config.h"
+#include "tools/doctor/check_daemon.h"
+#include "tools/doctor/check_fleet.h"
+#include "tools/doctor/check_leds.h"
+#include "tools/doctor/check_machine.h"
+
+namespace zenith::tools {
+namespace {
+
+constexpr const char* kUsualKey = "/etc/zenith/fleet.key";
+constexpr Duration kDaemonPatience = {3'000'000'000};
+
+// Findings as they come.
+class Telling {
+ public:
+  explicit Telling(const std::function<void(const Finding&)>& tell) : tell_(tell) {}
+  void add(Finding finding) {
+    tell_(finding);
+    all_.push_back(std::move(finding));
+  }
+  void add(Findings findings) {
+    for (Finding& finding : findings) add(std::move(finding));
+  }
+  Findings take() { return std::move(all_); }
+
+ private:
+  const std::function<void(const Finding&)>& tell_;
+  Findings all_;
+};
+
+void check_camera(const DaemonConfig& config, const MachineFiles& files, const DaemonFacts& daemon,
+                  double watch_s, Telling& telling) {
+  if (config.camera_driver != CameraDriver::kV4l2) {
+    return telling.add(skip("camera", "camera.driver says that it is none of the kernel"));
+  }
+  const V4l2Settings settings = config.v4l2();
+  std::string path;
+  telling.add(check_camera_device(settings, kernel_v4l2_io(), path));
+  if (path.empty()) return;
+  const auto users = users_of(files, path);
+  telling.add(check_camera_free(users, daemon.pid));
+  if (daemon.running) {
+    return telling.add(skip("camera rate", "zenithd has the camera; see the lines about it"));
+  }
+  V4l2Camera camera(settings);
+  std::optional<PictureFacts> picture;
+  const StreamFacts facts = watch_camera(camera, Duration::from_seconds(watch_s), picture);
+  telling.add(check_camera_rate(facts, settings.rate_hz));
+  telling.add(check_camera_stamps(facts));
+  if (picture) telling.add(check_picture(*picture));
+}
+
+void check_can(const DaemonConfig& config, const MachineFiles& files, double watch_s,
+               Telling& telling) {
+  if (config.odometry_driver != OdometryDriver::kSocketCan) {
+    return telling.add(skip("can", "odometry.driver says that it is none of the kernel"));
+  }
+  const std::string& name = config.can_interface;
+  CanLink link = read_can_link(files, name);
+  const std::string answer = ask_can_controller(name);
+  link.controller =
+      parse_can_controller({reinterpret_cast<const std::uint8_t*>(answer.data()), answer.size()});
+  telling.add(check_can_interface(name, link, list_can_interfaces(files)));
+  if (!link.is_can || !link.up) return;
+  telling.add(check_can_controller(name, link));
+  const auto decoder = make_wheel_decoder(config.odometry);
+  if (!decoder) return telling.add(fail("wheels", decoder.error().message, "correct [odometry]"));
+  SocketCanBus bus({name, {}});
+  const TrafficFacts facts = listen_to(bus, *decoder, Duration::from_seconds(watch_s));
+  telling.add(check_can_traffic(name, facts));
+  const std::string codec(wheel_codec_name(config.odometry.kind));
+  telling.add(check_wheels(facts, decoder->ids(), codec));
+}
+
+void check_lights(const DaemonConfig& config, const MachineFiles& files, Telling& telling) {
+  std::string why_none;
+  const auto chips = list_gpio_chips(&why_none);
+  telling.add(check_leds(config.leds, chips, why_none, files));
+}
+
+void check_others(const DoctorPlan& plan, const MachineFiles& files, const DaemonFacts& daemon,
+                  Telling& telling) {
+  const bool named = !plan.key_file.empty();
+  telling.add(check_fleet_key(named ? plan.key_file : kUsualKey, named));
+  const RadioSettings radio;  // defaults: what the daemon's own say is not known yet
+  telling.add(check_network(usable_interfaces(radio.interface, false), radio.interface));
+  telling.add(check_group(radio.group, joined_interfaces(files, radio.group), daemon.running));
+}
+
+void check_computer(const DaemonConfig& config, const MachineFiles& files,
+                    const DaemonFacts& daemon, const std::string& state_folder, Telling& telling) {
+  LimitFacts limits = {realtime_limits(), "this shell (the unit sets the service's)",
+                       ::geteuid() == 0};
+  if (daemon.pid != 0) (void)read_process_limits(files, daemon.pid, limits);
+  telling.add(check_fifo(config.realtime, limits));
+  telling.add(check_locked_memory(config.realtime, limits));
+  telling.add(check_cpu_dma_latency(config.realtime, files));
+  telling.add(check_governor(files));
+  telling.add(check_preemption(files));
+  telling.add(check_rt_throttling(config.realtime, files));
+  telling.add(check_clock_source(files));
+  const ClockFacts clock = read_clock();
+  telling.add(check_clock_sync(clock));
+  telling.add(check_monotonic(clock));
+  telling.add(check_temperature(files));
+  telling.add(check_power(files));
+  telling.add(check_disk(state_folder, free_disk_mb(state_folder)));
+}
+
+}  // namespace
+
+Findings run_doctor(const DoctorPlan& plan, const std::function<void(const Finding&)>& tell) {
+  Telling telling(tell);
+  const MachineFiles files;
+  std::optional<DaemonConfig> read;
+  telling.add(check_config(plan.config, read));
+  if (!read) {
+    telling.add(skip("devices", "the configuration is wrong: checked when it is right"));
+    read = DaemonConfig();
+    check_computer(*read, files, {}, plan.state_folder, telling);
+    return telling.take();
+  }
+  const DaemonConfig& config = *read;
+  const DaemonFacts daemon =
+      config.telemetry.enabled ? ask_daemon(config, kDaemonPatience) : DaemonFacts();
+  if (config.telemetry.enabled) {
+    telling.add(check_daemon(daemon));
+  } else {
+    telling.add(skip("daemon", "telemetry.enabled = false: it cannot be asked"));
+  }
+  check_camera(config, files, daemon, plan.watch_s, telling);
+  check_can(config, files, plan.watch_s, telling);
+  check_lights(config, files, telling);
+  check_others(plan, files, daemon, telling);
+  check_computer(config, files, daemon, plan.state_folder, telling);
+  return telling.take();
+}
+
+}  // namespace zenith::tools
