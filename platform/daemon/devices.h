@@ -3,6 +3,7 @@
 // yet: they may come late, and are opened again when they vanish (device_keeper.h).
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "drivers/camera/camera.h"
@@ -27,6 +28,8 @@ struct Devices {
   std::unique_ptr<Camera> camera;
   std::unique_ptr<CanBus> can;
   WheelDecoder decoder;
+  // How the base speaks, when it is not as the configuration says: that of a recording.
+  std::optional<WheelCodecConfig> odometry;
   RobotConfig robot;  // its lens is as large as the camera's frames
   std::string description;
   std::unique_ptr<DeviceWorld> world;  // none for real devices; ends before what it moves

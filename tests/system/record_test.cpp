@@ -233,5 +233,26 @@ TEST_F(RecordSystemTest, DevicesAreRecordedDirectlyOnlyWithoutADaemon) {
   EXPECT_FALSE(fs::exists(out_));
 }
 
+// A daemon that plays a recording is recorded as that robot, whatever its own file says of the
+// base.
+TEST_F(RecordSystemTest, ARecordingThatIsPlayedKeepsItsRobot) {
+  auto record = start_record({"--config", config_, "--duration", "2"});
+  ASSERT_EQ(record->wait(kLimit_s), 0) << said();
+  const std::string first = path("first");
+  fs::rename(out_, first);
+  write_text(config_, "[camera]\ndriver = \"replay\"\n[replay]\nfolder = \"" + first +
+                          "\"\nloop = true\n[odometry]\ndriver = \"replay\"\ncodec = \"odrive\"\n"
+                          "[telemetry]\nsocket = \"" +
+                          telemetry_ + "\"\n[record]\nsocket = \"" + socket_ + "\"\n");
+  const auto daemon = start_daemon();
+  record = record_from_daemon({"--duration", "1"});
+  EXPECT_EQ(record->wait(kLimit_s), 0) << said();
+  int frames = 0;
+  EXPECT_GE(read_back(frames), 3);
+  const auto robot = read_robot_file(layout::robot(out_));
+  ASSERT_TRUE(robot.ok()) << robot.error().message;
+  EXPECT_EQ(robot->odometry.kind, WheelCodecKind::kAgilexV2);
+}
+
 }  // namespace
 }  // namespace zenith

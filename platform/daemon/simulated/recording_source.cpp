@@ -61,7 +61,8 @@ Status RecordingSource::load() {
   auto can = read_can_log(layout::can_log(folder, file->can_interface), file->can_interface);
   if (!can) return can.error();
 
-  quantity_ = wheel_quantity(file->odometry);
+  odometry_ = file->odometry;
+  quantity_ = wheel_quantity(odometry_);
   if (quantity_ == WheelQuantity::kVelocity && config_.speed != 1.0) {
     return Error{"replay.speed is not 1, but the base of " + config_.folder +
                  " reports velocities, which another speed would make wrong"};

@@ -26,6 +26,7 @@ class RecordingSource final : public MomentSource {
   const std::string& name() const { return name_; }
   const RobotConfig& robot() const { return robot_; }
   const WheelDecoder& decoder() const { return decoder_; }
+  const WheelCodecConfig& odometry() const { return odometry_; }
   const std::vector<std::string>& warnings() const { return warnings_; }
 
   bool next(Moment& moment) override;
@@ -46,6 +47,7 @@ class RecordingSource final : public MomentSource {
   std::string name_;
   RobotConfig robot_;
   WheelDecoder decoder_;
+  WheelCodecConfig odometry_;
   WheelQuantity quantity_ = WheelQuantity::kPosition;
   std::vector<std::string> warnings_;
   std::vector<ListedFrame> frames_;

@@ -15,7 +15,10 @@ Result<Devices> make_replayed_devices(const DaemonConfig& config) {
   const std::string description = "replay of " + config.replay.folder;
   const RobotConfig robot = (*source)->robot();
   const WheelDecoder decoder = (*source)->decoder();
-  return make_played_devices(std::move(*source), robot, decoder, description);
+  const WheelCodecConfig odometry = (*source)->odometry();
+  auto devices = make_played_devices(std::move(*source), robot, decoder, description);
+  devices.odometry = odometry;
+  return devices;
 }
 
 }  // namespace zenith

@@ -15,11 +15,11 @@ Hello describe_robot(const DaemonConfig& config, const Devices& devices) {
   hello.software = std::string("zenithd ") + kVersion;
   hello.devices = devices.description;
   hello.config = devices.robot;
-  hello.odometry = config.odometry;
+  hello.odometry = devices.odometry.value_or(config.odometry);
   hello.can_interface = config.can_interface;
-  if (config.odometry.kind == WheelCodecKind::kDbc) {
+  if (hello.odometry.kind == WheelCodecKind::kDbc) {
     std::ostringstream content;
-    content << std::ifstream(config.odometry.dbc.file, std::ios::binary).rdbuf();
+    content << std::ifstream(hello.odometry.dbc.file, std::ios::binary).rdbuf();
     hello.dbc = content.str();
   }
   return hello;
