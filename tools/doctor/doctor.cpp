@@ -5,9 +5,10 @@
 #include <algorithm>
 #include <utility>
 
-#include "drivers/camera/v4l2_camera.h"
+#include "drivers/camera/v4l2_io.h"
 #include "drivers/odometry/socket_can.h"
 #include "drivers/radio/udp_radio.h"
+#include "platform/daemon/devices.h"
 #include "tools/doctor/check_camera.h"
 #include "tools/doctor/check_can.h"
 #include "tools/doctor/check_config.h"
@@ -40,32 +41,40 @@ class Telling {
   Findings all_;
 };
 
+// Its stream, by the driver that the daemon would use.
+void check_stream(const DaemonConfig& config, double watch_s, Telling& telling) {
+  const auto devices = make_real_devices(config);
+  if (!devices) return telling.add(fail("camera device", devices.error().message, ""));
+  std::optional<PictureFacts> picture;
+  const StreamFacts facts =
+      watch_camera(*devices->camera, Duration::from_seconds(watch_s), picture);
+  telling.add(check_camera_rate(facts, config.camera.rate_hz));
+  telling.add(check_camera_stamps(facts));
+  if (picture) telling.add(check_picture(*picture));
+}
+
 void check_camera(const DaemonConfig& config, const MachineFiles& files, const DaemonFacts& daemon,
                   double watch_s, Telling& telling) {
-  if (config.camera_driver != CameraDriver::kV4l2) {
-    return telling.add(skip("camera", "camera.driver says that it is none of the kernel"));
+  const bool is_v4l2 = config.camera_driver == CameraDriver::kV4l2;
+  if (!is_v4l2 && config.camera_driver != CameraDriver::kLibcamera) {
+    return telling.add(skip("camera", "camera.driver says that it is made up"));
   }
-  const V4l2Settings settings = config.v4l2();
-  std::string path;
-  telling.add(check_camera_device(settings, kernel_v4l2_io(), path));
-  if (path.empty()) return;
-  const auto users = users_of(files, path);
-  telling.add(check_camera_free(users, daemon.pid));
+  if (is_v4l2) {
+    std::string path;
+    telling.add(check_camera_device(config.v4l2(), kernel_v4l2_io(), path));
+    if (path.empty()) return;
+    telling.add(check_camera_free(users_of(files, path), daemon.pid));
+  }
   if (daemon.running) {
     return telling.add(skip("camera rate", "zenithd has the camera; see the lines about it"));
   }
-  V4l2Camera camera(settings);
-  std::optional<PictureFacts> picture;
-  const StreamFacts facts = watch_camera(camera, Duration::from_seconds(watch_s), picture);
-  telling.add(check_camera_rate(facts, settings.rate_hz));
-  telling.add(check_camera_stamps(facts));
-  if (picture) telling.add(check_picture(*picture));
+  check_stream(config, watch_s, telling);
 }
 
 void check_can(const DaemonConfig& config, const MachineFiles& files, double watch_s,
                Telling& telling) {
   if (config.odometry_driver != OdometryDriver::kSocketCan) {
-    return telling.add(skip("can", "odometry.driver says that it is none of the kernel"));
+    return telling.add(skip("can", "odometry.driver says that it is made up"));
   }
   const std::string& name = config.can_interface;
   CanLink link = read_can_link(files, name);
