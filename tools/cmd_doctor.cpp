@@ -58,8 +58,6 @@ void add_doctor_command(CLI::App& app, int& exit_code) {
                      "the daemon's configuration (/etc/zenith/zenith.toml, else defaults)");
   doctor->add_option("--state", command->plan.state_folder, "the daemon's state folder")
       ->capture_default_str();
-  doctor->add_option("--key", command->plan.key_file,
-                     "the fleet's key file (/etc/zenith/fleet.key, where there is one)");
   doctor
       ->add_option("--watch", command->plan.watch_s,
                    "seconds for which the camera and the CAN bus are watched")

@@ -97,13 +97,27 @@ Finding check_deadlines(const Json& deadlines) {
   return warn(what, found, "other programs take its CPU: see the lines about realtime");
 }
 
-Finding check_peers(const std::map<std::string, Json>& lines, const Json& health) {
+Finding check_peers(const std::map<std::string, Json>& lines) {
   const std::string what = "daemon peers";
-  const double received = number(health, "cooperation", "received");
-  if (received > 0.0 || lines.count("alignment") > 0) {
-    return ok(what, whole(received) + " records of peers received");
+  const auto line = lines.find("radio");
+  if (line == lines.end()) return skip(what, "it tells nothing of a radio");
+  const Json& radio = line->second;
+  if (!radio.value("enabled", false)) return ok(what, "no radio: this robot maps alone");
+  if (!radio.value("open", false)) {
+    return fail(what, "the radio is not open", "a port is taken, or sockets are not allowed",
+                "journalctl -u zenithd -n 50");
   }
-  return ok(what, "no peer heard so far");
+  const double heard = number(radio, "", "peers");
+  const double other_key = number(radio, "rejected", "other_key");
+  const std::string found = whole(heard) + " peers, " + whole(number(radio, "udp", "received")) +
+                            " datagrams received, " + whole(number(radio, "udp", "sent")) + " sent";
+  if (number(radio, "udp", "forbidden") > 0.0) {
+    return warn(what, found + ", some are forbidden", "a firewall stops them: open radio.port");
+  }
+  if (heard == 0.0 && other_key > 0.0) {
+    return warn(what, found + ", others have another key", "copy one key file to all robots");
+  }
+  return ok(what, found);
 }
 
 }  // namespace
@@ -127,13 +141,15 @@ DaemonFacts ask_daemon(const DaemonConfig& config, Duration patience) {
   const Time limit = monotonic_now() + patience;
   bool health = false;
   bool deadlines = false;
-  while (monotonic_now() < limit && !(health && deadlines)) {
+  bool radio = false;
+  while (monotonic_now() < limit && !(health && deadlines && radio)) {
     if (wait_readable(fd.get(), limit - monotonic_now()) <= 0) break;
     std::array<char, 8192> packet;
     const ssize_t size = ::recv(fd.get(), packet.data(), packet.size(), MSG_DONTWAIT);
     if (size <= 0) break;
     facts.lines.emplace_back(packet.data(), static_cast<std::size_t>(size));
     health = health || facts.lines.back().find("\"type\":\"health\"") != std::string::npos;
+    radio = radio || facts.lines.back().find("\"type\":\"radio\"") != std::string::npos;
     deadlines = deadlines || facts.lines.back().find("\"type\":\"deadlines\"") != std::string::npos;
   }
   return facts;
@@ -167,7 +183,7 @@ Findings check_daemon(const DaemonFacts& facts) {
   if (const auto deadlines = lines.find("deadlines"); deadlines != lines.end()) {
     findings.push_back(check_deadlines(deadlines->second));
   }
-  findings.push_back(check_peers(lines, health->second));
+  findings.push_back(check_peers(lines));
   return findings;
 }
 

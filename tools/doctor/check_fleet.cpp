@@ -3,18 +3,18 @@
 #include <arpa/inet.h>
 
 #include <cstdio>
-#include <filesystem>
 #include <sstream>
 
 #include "platform/link/fleet_key.h"
 
 namespace zenith::tools {
 
-Finding check_fleet_key(const std::string& file, bool named) {
+Finding check_fleet_key(const RadioConfig& radio) {
   const std::string what = "fleet key";
-  std::error_code code;
-  if (!named && !std::filesystem::exists(file, code)) {
-    return skip(what, "no " + file + ": a robot without a key maps alone; `zenith key --help`");
+  const std::string& file = radio.key_file;
+  if (!radio.enabled) return skip(what, "radio.enabled = false: this robot maps alone");
+  if (file.empty()) {
+    return skip(what, "radio.key_file names none: this robot maps alone; `zenith key --help`");
   }
   const auto keys = read_fleet_keys(file);
   if (!keys) return fail(what, keys.error().message, "", "zenith key --help");
@@ -64,13 +64,16 @@ std::vector<std::string> joined_interfaces(const MachineFiles& files, const std:
 }
 
 Finding check_group(const std::string& group, const std::vector<std::string>& joined,
-                    bool daemon_runs) {
+                    bool radio_runs) {
   const std::string what = "multicast group";
+  if (group.empty()) return skip(what, "radio.group is empty: listed addresses alone");
+  if (group.find(':') != std::string::npos) return skip(what, "of IPv6, not looked up");
   std::string names;
   for (const std::string& name : joined) names += (names.empty() ? "" : ", ") + name;
   if (!joined.empty()) return ok(what, group + " is joined on " + names);
-  if (daemon_runs) return skip(what, "this zenithd has not joined " + group + ": it maps alone");
-  return skip(what, "nobody has joined " + group + ": zenithd does when it runs");
+  if (!radio_runs) return skip(what, "nobody has joined " + group + ": zenithd does when it runs");
+  return fail(what, "zenithd runs and has not joined " + group,
+              "no interface is up that can multicast, or radio.interface names another");
 }
 
 }  // namespace zenith::tools

@@ -7,7 +7,7 @@
 
 #include "drivers/camera/v4l2_io.h"
 #include "drivers/odometry/socket_can.h"
-#include "drivers/radio/udp_radio.h"
+#include "drivers/radio/interfaces.h"
 #include "platform/daemon/devices.h"
 #include "tools/doctor/check_camera.h"
 #include "tools/doctor/check_can.h"
@@ -20,7 +20,6 @@
 namespace zenith::tools {
 namespace {
 
-constexpr const char* kUsualKey = "/etc/zenith/fleet.key";
 constexpr Duration kDaemonPatience = {3'000'000'000};
 
 // Findings as they come.
@@ -99,13 +98,14 @@ void check_lights(const DaemonConfig& config, const MachineFiles& files, Telling
   telling.add(check_leds(config.leds, chips, why_none, files));
 }
 
-void check_others(const DoctorPlan& plan, const MachineFiles& files, const DaemonFacts& daemon,
+void check_others(const RadioConfig& radio, const MachineFiles& files, const DaemonFacts& daemon,
                   Telling& telling) {
-  const bool named = !plan.key_file.empty();
-  telling.add(check_fleet_key(named ? plan.key_file : kUsualKey, named));
-  const RadioSettings radio;  // defaults: what the daemon's own say is not known yet
-  telling.add(check_network(usable_interfaces(radio.interface, false), radio.interface));
-  telling.add(check_group(radio.group, joined_interfaces(files, radio.group), daemon.running));
+  telling.add(check_fleet_key(radio));
+  if (!radio.enabled || radio.key_file.empty()) return;
+  const std::string& group = radio.udp.group;
+  const bool ipv6 = group.find(':') != std::string::npos;
+  telling.add(check_network(usable_interfaces(radio.udp.interface, ipv6), radio.udp.interface));
+  telling.add(check_group(group, joined_interfaces(files, group), daemon.running));
 }
 
 void check_computer(const DaemonConfig& config, const MachineFiles& files,
@@ -152,7 +152,7 @@ Findings run_doctor(const DoctorPlan& plan, const std::function<void(const Findi
   check_camera(config, files, daemon, plan.watch_s, telling);
   check_can(config, files, plan.watch_s, telling);
   check_lights(config, files, telling);
-  check_others(plan, files, daemon, telling);
+  check_others(config.radio, files, daemon, telling);
   check_computer(config, files, daemon, plan.state_folder, telling);
   return telling.take();
 }

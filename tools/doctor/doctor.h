@@ -12,7 +12,6 @@ namespace zenith::tools {
 struct DoctorPlan {
   std::filesystem::path config;  // empty: the usual place, or defaults
   std::string state_folder = "/var/lib/zenith";
-  std::string key_file;  // of the fleet; empty: the usual place, if there is one
   double watch_s = 2.0;  // how long the camera and the CAN bus are watched
 };
 

@@ -400,20 +400,22 @@ TEST_F(DoctorTest, Lights) {
 // ---------------------------------------------------------------------------------
 
 TEST_F(DoctorTest, TheFleetsKey) {
-  const std::string file = (folder_.path() / "fleet.key").string();
-  EXPECT_EQ(check_fleet_key(file, false).verdict, Verdict::kSkip);
-  EXPECT_THAT(check_fleet_key(file, true), Says(Verdict::kFail, file));
+  RadioConfig radio;
+  EXPECT_THAT(check_fleet_key(radio), Says(Verdict::kSkip, "names none"));
+  const std::string file = radio.key_file = (folder_.path() / "fleet.key").string();
+  EXPECT_THAT(check_fleet_key(radio), Says(Verdict::kFail, file));
   ASSERT_TRUE(create_fleet_key(file).ok());
-  EXPECT_THAT(check_fleet_key(file, false), Says(Verdict::kOk, "key "));
+  EXPECT_THAT(check_fleet_key(radio), Says(Verdict::kOk, "key "));
   ASSERT_TRUE(rotate_fleet_key(file).ok());
-  EXPECT_THAT(check_fleet_key(file, true), Says(Verdict::kOk, "before it "));
+  EXPECT_THAT(check_fleet_key(radio), Says(Verdict::kOk, "before it "));
   fs::permissions(file, fs::perms::others_read, fs::perm_options::add);
-  EXPECT_THAT(check_fleet_key(file, true), Says(Verdict::kFail, "chmod"));
-  fs::permissions(file, fs::perms::owner_read);
+  EXPECT_THAT(check_fleet_key(radio), Says(Verdict::kFail, "chmod"));
   fs::remove(file);
   write_text(file, "zenith-fleet-key 1\nshort\n");
   fs::permissions(file, fs::perms::owner_read);
-  EXPECT_EQ(check_fleet_key(file, true).verdict, Verdict::kFail);
+  EXPECT_EQ(check_fleet_key(radio).verdict, Verdict::kFail);
+  radio.enabled = false;
+  EXPECT_EQ(check_fleet_key(radio).verdict, Verdict::kSkip);
 }
 
 TEST_F(DoctorTest, TheWayToOtherRobots) {
@@ -429,7 +431,7 @@ TEST_F(DoctorTest, TheWayToOtherRobots) {
   const auto joined = joined_interfaces(files_, "239.255.90.78");
   EXPECT_THAT(joined, testing::ElementsAre("wlan0"));
   EXPECT_THAT(check_group("239.255.90.78", joined, true), Says(Verdict::kOk, "wlan0"));
-  EXPECT_THAT(check_group("239.255.90.78", {}, true), Says(Verdict::kSkip, "maps alone"));
+  EXPECT_THAT(check_group("239.255.90.78", {}, true), Says(Verdict::kFail, "has not joined"));
   EXPECT_THAT(check_group("239.255.90.78", {}, false), Says(Verdict::kSkip, "when it runs"));
 }
 
@@ -463,7 +465,20 @@ TEST_F(DoctorTest, TheDaemonsTelemetry) {
   EXPECT_THAT(good[1], Says(Verdict::kOk, "mapping"));
   EXPECT_THAT(good[2], Says(Verdict::kWarn, "lost and opened again 1 times"));
   EXPECT_THAT(good[3], Says(Verdict::kOk, "0 of 90"));
-  EXPECT_THAT(good[4], Says(Verdict::kOk, "no peer"));
+  EXPECT_THAT(good[4], Says(Verdict::kSkip, "nothing of a radio"));
+  const auto with_radio = [&](const std::string& fields) {
+    facts.lines.push_back(R"({"type":"radio",)" + fields + "}");
+    const Finding finding = with("mapping", "true", 0, 0)[4];
+    facts.lines.pop_back();
+    return finding;
+  };
+  EXPECT_THAT(with_radio(R"("enabled":false)"), Says(Verdict::kOk, "maps alone"));
+  EXPECT_THAT(with_radio(R"("enabled":true,"open":false)"), Says(Verdict::kFail, "not open"));
+  const std::string open = R"("enabled":true,"open":true,"peers":)";
+  EXPECT_THAT(with_radio(open + "2"), Says(Verdict::kOk, "2 peers"));
+  EXPECT_THAT(with_radio(open + R"(0,"rejected":{"other_key":3})"),
+              Says(Verdict::kWarn, "another key"));
+  EXPECT_THAT(with_radio(open + R"(0,"udp":{"forbidden":3})"), Says(Verdict::kWarn, "firewall"));
   EXPECT_THAT(with("fault", "true", 0, 0)[1], Says(Verdict::kFail, "fault"));
   EXPECT_THAT(with("degraded", "true", 0, 0)[1], Says(Verdict::kWarn, "degraded"));
   EXPECT_THAT(with("mapping", "false", 0, 0)[2], Says(Verdict::kFail, "camera down"));
