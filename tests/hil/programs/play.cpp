@@ -194,6 +194,7 @@ class Player {
     }
     std::printf("play: %d pictures shown, %d left out because they were late\n", shown_, late_);
     std::fflush(stdout);
+    shown_now_ = pictures_.at(pictures_.times_ns.size() - 1);
     return {};
   }
 

@@ -8,7 +8,7 @@ set -uo pipefail
 # shellcheck source=tests/hil/board/robot
 source "$HIL_SOURCE/tests/hil/board/robot"
 
-if ! "$HIL_BUILD/platform/daemon/zenithd" --print-config | grep -q '^\[radio\]'; then
+if ! "$HIL_BUILD/platform/daemon/zenithd" --print-config | grep '^\[radio\]' >/dev/null; then
   echo "merge: SKIPPED, NOTHING WAS TESTED: this zenithd cannot exchange maps"
   exit 77
 fi
