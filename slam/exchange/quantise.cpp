@@ -50,7 +50,7 @@ bool encode_place(float metres, std::int32_t& mm) {
 std::int32_t clamp_mm(double metres) {
   if (std::isnan(metres)) return 0;
   return static_cast<std::int32_t>(
-      std::clamp(std::round(metres * 1e3), -2147483647.0, 2147483647.0));
+      std::clamp(std::round(metres * 1e3), -2147483648.0, 2147483647.0));
 }
 
 double decode_deviation(std::uint8_t k) {

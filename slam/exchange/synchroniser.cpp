@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <new>
 
 #include "slam/exchange/synchroniser_state.h"
 
@@ -20,6 +21,11 @@ void Synchroniser::layout(Arena& arena) {
 }
 
 void Synchroniser::configure(const Settings& settings) {
+  const OwnRecords own = state_->own;
+  const ReplicaStore replicas = state_->replicas;
+  new (state_) State{};
+  state_->own = own;
+  state_->replicas = replicas;
   state_->start(settings);
 }
 

@@ -16,7 +16,7 @@ namespace zenith::exchange {
 class Synchroniser {
  public:
   void layout(Arena& arena);
-  // After layout over a real block, and once.
+  // After layout over a real block. All begins anew.
   void configure(const Settings& settings);
 
   // --- The own robot.
