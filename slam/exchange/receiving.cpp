@@ -146,7 +146,7 @@ void Synchroniser::State::compare(Time now, int slot) {
   s.doubt_wait = std::min(s.doubt_wait + s.doubt_wait, kLongestDoubt);
   s.doubted = true;
   replicas.doubt(slot);
-  s.asking = true;
+  s.asking = told.head > 0;  // else there is nothing to ask for, and all that is here is too much
   s.asked = false;
   s.due = now + Duration::from_seconds(random.uniform(kNoticeFrom_s, kNoticeTo_s));
 }

@@ -127,16 +127,17 @@ Outgoing Synchroniser::State::send_requests(Time now, std::span<std::uint8_t> ou
   ByteWriter writer(out.first(largest));
   append_request(now, due, writer);
   int to = slots[static_cast<std::size_t>(due)].status.session;
-  if (copies > 1) return sent(now, to, writer);
+  if (copies > 1) return writer.size() > 0 ? sent(now, to, writer) : Outgoing{};
   for (int i = 0; i < kMaxReplicas; ++i) {
     const Slot& slot = slots[static_cast<std::size_t>(i)];
     if (!slot.asking || slot.due > now + kAskTogether) continue;
     if (!append_request(now, i, writer)) break;
     to = kEverybody;
   }
-  return sent(now, to, writer);
+  return writer.size() > 0 ? sent(now, to, writer) : Outgoing{};
 }
 
+// False when there is no room for it.
 bool Synchroniser::State::append_request(Time now, int slot, ByteWriter& out) {
   Slot& s = slots[static_cast<std::size_t>(slot)];
   const Replica& replica = replicas.replica(slot);
@@ -148,7 +149,10 @@ bool Synchroniser::State::append_request(Time now, int slot, ByteWriter& out) {
   for (std::uint32_t from = 1; replica.had.first_gap({from, head}, gap); from = gap.last + 1) {
     if (!request.ranges.push_back(gap)) break;
   }
-  assert(!request.ranges.empty());
+  if (request.ranges.empty()) {
+    s.asking = false;
+    return true;
+  }
   if (!append(out, request)) return false;
   ++counters.requests_sent;
   s.fruitless = !s.asked || s.progress ? 0 : s.fruitless + 1;

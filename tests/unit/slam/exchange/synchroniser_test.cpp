@@ -136,6 +136,15 @@ TEST(Synchroniser, ADifferentChecksumBringsAllOnceMore) {
   EXPECT_TRUE(rig.sync.peer(0).complete);
 }
 
+// Of an empty map there is nothing to ask for, whatever its checksum.
+TEST(Synchroniser, AnEmptyMapWithAChecksumIsAskedForNothing) {
+  Rig rig;
+  rig.sync.join(rig.at(rig.now_s), 0, 700);
+  rig.hear(0, Payload().state(7, 0, 0, 99));
+  EXPECT_TRUE(Rig::sections(rig.run_until(105.0), SectionType::kRequest).empty());
+  EXPECT_FALSE(rig.sync.peer(0).complete);
+}
+
 TEST(Synchroniser, ALateRecordDoesNotBringBackARemovedLandmark) {
   Rig rig;
   rig.sync.join(rig.at(rig.now_s), 0, 700);
