@@ -1,25 +1,38 @@
-// zenith demo: simulated robots, their maps merged, a picture. For whoever has no robot.
+// zenith demo: simulated robots, their maps merged, a picture. For whoever has no robot. As real
+// daemons that talk over the network, or (--offline) recorded and mapped in this program.
 
 #include <cstdio>
+#include <fstream>
 #include <memory>
+#include <numbers>
+#include <sstream>
 #include <string>
 
 #include "tools/atomic_output.h"
 #include "tools/commands.h"
+#include "tools/fleet/demo.h"
 #include "tools/progress.h"
 #include "tools/replay.h"
 #include "tools/report/figures_text.h"
+#include "tools/report/map_picture.h"
 #include "tools/simulate.h"
 
 namespace zenith::tools {
 namespace {
 
 constexpr const char* kHelp =
-    R"(Simulates the robots of a world, records what they see, maps the recordings together and
-draws the merged map. Nothing else is needed: no robot, no camera, no data.
+    R"(Starts the robots of a world as daemons (zenithd-sim) that find each other on this computer's
+loopback network, exchange their maps encrypted and join them when they are sure; watches them over
+the same network and draws the merged map. Takes as long as the robots drive, about a minute for the
+default world. Nothing else is needed: no robot, no camera, no data.
+
+With --offline the same robots are recorded and mapped in this program alone, without a network:
+repeatable bit for bit, with all figures, the confidence over time and recordings to try other
+parameters on.
 
 Examples:
   zenith demo
+  zenith demo --offline
   zenith demo --out /tmp/demo --seed 3
   zenith demo --world loop)";
 
@@ -28,6 +41,7 @@ struct DemoCommand {
   std::string world = "corridor-rooms";
   std::uint64_t seed = 1;
   double duration_s = 0.0;
+  bool offline = false;
 };
 
 Result<ReplayResult> simulate_and_map(const DemoCommand& command,
@@ -54,6 +68,19 @@ Result<ReplayResult> simulate_and_map(const DemoCommand& command,
   return replay(plan, folder, [&](double fraction) { progress.update(fraction); });
 }
 
+// What daemons said, when something went wrong.
+std::string daemon_logs(const std::filesystem::path& folder) {
+  std::string text;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (entry.path().extension() != ".log") continue;
+    std::ifstream file(entry.path());
+    std::ostringstream content;
+    content << file.rdbuf();
+    text += entry.path().filename().string() + ":\n" + content.str();
+  }
+  return text;
+}
+
 void print_result(const std::filesystem::path& out, const TeamFigures& figures) {
   const auto file = [&](const char* name) { return (out / name).lexically_normal().string(); };
   std::printf("3. Done.\n\n%s\n", figures_text(figures).c_str());
@@ -67,8 +94,75 @@ void print_result(const std::filesystem::path& out, const TeamFigures& figures) 
   std::printf("  %-44s the recordings, for `zenith replay`\n", file("recordings").c_str());
 }
 
+double degrees(double rad) {
+  return rad * 180.0 / std::numbers::pi;
+}
+
+void print_pairs(const TeamLog& log, const TeamFigures& figures) {
+  for (const PairFigures& pair : figures.pairs) {
+    const std::string& own = log.robots[static_cast<std::size_t>(pair.own)].name;
+    const std::string& peer = log.robots[static_cast<std::size_t>(pair.peer)].name;
+    if (!pair.merged_at_end || !pair.at_end) {
+      std::printf("   %s and %s's map: not joined at the end\n", own.c_str(), peer.c_str());
+      continue;
+    }
+    std::printf(
+        "   %s and %s's map: joined %.0f s after it had its first pose; it knows\n      where %s "
+        "started to %.1f cm and %.2f "
+        "degrees\n",
+        own.c_str(), peer.c_str(), pair.merge_time_s.value_or(0.0), peer.c_str(),
+        100.0 * pair.at_end->position_m, degrees(pair.at_end->angle_rad));
+  }
+}
+
+// The figures that need the truth of every frame are not there: robots do not tell their stamps.
+void drop_paths(TeamFigures& figures) {
+  for (RobotFigures& robot : figures.robots) {
+    robot.ate_m.reset();
+    robot.odometry_ate_m.reset();
+    robot.true_path_m.reset();
+    robot.loop.reset();
+  }
+}
+
+int run_live(const DemoCommand& command) {
+  auto output = AtomicFolder::create(command.out, true, "summary.json");
+  if (!output.ok()) return fail(output.error());
+  std::printf("1. Robots start as daemons in '%s', each in a map of its own ...\n",
+              command.world.c_str());
+  auto log = run_fleet_demo({command.world, command.seed, command.duration_s}, output->path());
+  if (!log.ok()) {
+    std::printf("%s", daemon_logs(output->path()).c_str());
+    return fail(log.error());
+  }
+  std::printf("2. All have driven their ways. The maps, held against the truth:\n");
+  TeamFigures figures = judge(*log);
+  drop_paths(figures);
+  for (RobotLog& robot : log->robots) robot.frames.front().truth.reset();  // one point is no path
+  print_pairs(*log, figures);
+  if (const Status drawn = draw_map(output->path() / "map.png", *log, figures); !drawn) {
+    return fail(drawn.error());
+  }
+  const std::string summary = figures_json(figures).dump(2) + "\n";
+  if (const Status w = write_file(output->path() / "summary.json", summary); !w) {
+    return fail(w.error());
+  }
+  if (const Status placed = output->commit(); !placed) return fail(placed.error());
+  const auto file = [&](const char* name) {
+    return (std::filesystem::path(command.out) / name).lexically_normal().string();
+  };
+  std::printf("3. Open these:\n");
+  std::printf("   %-36s the merged map\n", file("map.png").c_str());
+  std::printf("   %-36s what a robot logged\n",
+              file((log->robots[0].name + ".log").c_str()).c_str());
+  std::printf("   %-36s its configuration\n",
+              file((log->robots[0].name + ".toml").c_str()).c_str());
+  return 0;
+}
+
 int run_demo(const DemoCommand& command) {
   if (const Status known = check_worlds({command.world}); !known) return fail(known.error());
+  if (!command.offline) return run_live(command);
   auto output = AtomicFolder::create(command.out, true, "summary.json");
   if (!output.ok()) return fail(output.error());
   const auto result = simulate_and_map(command, output->path());
@@ -92,6 +186,8 @@ void add_demo_command(CLI::App& app, int& exit_code) {
   demo->add_option("--seed", command->seed, "another seed, another drive")->capture_default_str();
   demo->add_option("--duration", command->duration_s, "seconds to drive at most, 0: all")
       ->check(CLI::NonNegativeNumber);
+  demo->add_flag("--offline", command->offline,
+                 "no daemons and no network: record, then map the recordings");
   demo->callback([command, &exit_code] { exit_code = run_demo(*command); });
 }
 

@@ -1,0 +1,61 @@
+#include "tools/fleet/child_process.h"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <utility>
+
+#include "platform/linux/clock.h"
+#include "platform/linux/errno_text.h"
+
+namespace zenith::tools {
+
+ChildProcess::ChildProcess(ChildProcess&& other) noexcept : pid_(std::exchange(other.pid_, 0)) {}
+
+ChildProcess::~ChildProcess() {
+  stop();
+}
+
+Result<ChildProcess> ChildProcess::start(const std::vector<std::string>& words,
+                                         const std::filesystem::path& errors) {
+  std::vector<char*> arguments;
+  for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
+  arguments.push_back(nullptr);
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, errors.c_str(),
+                                   O_WRONLY | O_CREAT | O_TRUNC, 0644);
+  ChildProcess child;
+  const int error =
+      ::posix_spawn(&child.pid_, arguments[0], &actions, nullptr, arguments.data(), environ);
+  posix_spawn_file_actions_destroy(&actions);
+  if (error != 0) {
+    child.pid_ = 0;
+    return Error{words[0] + ": " + errno_text(error)};
+  }
+  return child;
+}
+
+bool ChildProcess::is_running() {
+  if (pid_ > 0 && ::waitpid(pid_, nullptr, WNOHANG) == pid_) pid_ = 0;
+  return pid_ > 0;
+}
+
+void ChildProcess::stop() {
+  if (!is_running()) return;
+  ::kill(pid_, SIGTERM);
+  constexpr Duration kPatience = {5'000'000'000};
+  const Time limit = monotonic_now() + kPatience;
+  while (is_running() && monotonic_now() < limit) {
+    sleep_until(monotonic_now() + Duration{20'000'000});
+  }
+  if (!is_running()) return;
+  ::kill(pid_, SIGKILL);
+  ::waitpid(pid_, nullptr, 0);
+  pid_ = 0;
+}
+
+}  // namespace zenith::tools
