@@ -136,6 +136,23 @@ TEST(Synchroniser, ADifferentChecksumBringsAllOnceMore) {
   EXPECT_TRUE(rig.sync.peer(0).complete);
 }
 
+// The owner told of 3 once more before it covered its old revision; this state is older than that.
+TEST(Synchroniser, AStateThatRecordsOvertookIsNotCompared) {
+  Rig rig;
+  rig.sync.join(rig.at(rig.now_s), 0, 700);
+  rig.counter = 10;
+  rig.hear(0, Payload().state(7, 5, 5, checksum_of({1, 5})).records(7, {1, 2}));
+  rig.hear(0, Payload().records(7, {4, 5}));
+  rig.counter = 20;
+  rig.hear(0, Payload().covered(7, {3, 3}));
+  rig.counter = 15;
+  rig.hear(0, Payload().state(7, 5, 5, checksum_of({1, 5})));
+  EXPECT_EQ(rig.sync.counters().checksum_differed, 0u);
+  rig.counter = 25;
+  rig.hear(0, Payload().state(7, 5, 5, checksum_of({1, 5})));
+  EXPECT_EQ(rig.sync.counters().checksum_differed, 1u);
+}
+
 // Of an empty map there is nothing to ask for, whatever its checksum.
 TEST(Synchroniser, AnEmptyMapWithAChecksumIsAskedForNothing) {
   Rig rig;
