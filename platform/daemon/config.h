@@ -62,7 +62,7 @@ struct RadioConfig {
   bool enabled = true;
   std::string key_file;  // empty: no radio
   RadioSettings udp;
-  std::uint32_t max_rate = 100'000;  // bytes a second
+  std::uint32_t max_rate = 125'000;  // bytes a second
   std::uint32_t news_rate = 20'000;
   double forget_after_s = 60.0;
 };
