@@ -278,12 +278,19 @@ Time Synchroniser::next_time(Time now) const {
   for (const Slot& slot : s.slots) {
     if (slot.asking) first = std::min(first, affordable(slot.due, s.all, 0));
   }
-  for (const Session& session : s.sessions) {
-    if (session.wanted.empty()) continue;
-    const bool many = s.lacking(session.wanted.ranges()[0].first) > s.copies;
-    first = std::min(first, affordable(session.serve_at, s.all, many ? kEverybody : 0));
+  // As in next(): what comes first waits for its budget, and all that comes after it waits, too.
+  if (s.news_due(Queue::kNew)) {
+    return std::max(now, std::min(first, affordable(now, s.all, kEverybody)));
   }
-  if (s.news_due(Queue::kNew)) first = std::min(first, affordable(now, s.all, kEverybody));
+  if (const int session = s.next_to_serve(now); session >= 0) {
+    const Session& asker = s.sessions[static_cast<std::size_t>(session)];
+    const bool many = s.lacking(asker.wanted.ranges()[0].first) > s.copies;
+    first = std::min(first, affordable(now, s.all, many ? kEverybody : 0));
+  } else {
+    for (const Session& later : s.sessions) {
+      if (!later.wanted.empty()) first = std::min(first, affordable(later.serve_at, s.all, 0));
+    }
+  }
   if (s.news_due(Queue::kChanged)) {
     const Time both = affordable(affordable(now, s.all, kEverybody), s.news, kEverybody);
     first = std::min(first, both);
