@@ -51,16 +51,12 @@ std::string percent(double share, int decimals) {
   return fixed(100.0 * share, decimals) + " %";
 }
 
-std::string name_of(int length) {
-  return length == kFullLength ? "full NCC" : "DCT " + std::to_string(length);
-}
-
 void print_comparison(const Comparison& c) {
   std::printf("%s, %s: %d queries among %d landmarks, turned %s\n", c.sequence.c_str(),
               c.views.c_str(), c.queries, c.landmarks, percent(c.turned, 1).c_str());
   Table table({"descriptor", "bytes", "rank-1", "accepted", "wrong", "wrong@80"});
   for (const DescriptorScore& s : c.scores) {
-    table.add({name_of(s.length), std::to_string(s.length), percent(s.rank1, 1),
+    table.add({s.kind.name, std::to_string(s.kind.bytes), percent(s.rank1, 1),
                percent(s.true_accept, 1), percent(s.false_accept, 2), percent(s.false_at_80, 2)});
   }
   std::printf("%s\n", table.text(2).c_str());
@@ -71,8 +67,8 @@ nlohmann::json to_json(const Comparison& c) {
   nlohmann::json out = {{"sequence", c.sequence}, {"views", c.views},   {"landmarks", c.landmarks},
                         {"queries", c.queries},   {"turned", c.turned}, {"scores", {}}};
   for (const DescriptorScore& s : c.scores) {
-    out["scores"].push_back({{"descriptor", name_of(s.length)},
-                             {"bytes", s.length},
+    out["scores"].push_back({{"descriptor", s.kind.name},
+                             {"bytes", s.kind.bytes},
                              {"rank1", s.rank1},
                              {"true_accept", s.true_accept},
                              {"false_accept", s.false_accept},

@@ -47,6 +47,7 @@ struct EvalOptions {
   std::string json_path;
   std::string replay_output;
   bool alone = false;
+  bool exact_maps = false;
 };
 
 void print_run(const EvaluationRun& run) {
@@ -119,7 +120,8 @@ int run_eval(EvalOptions& options) {
   EvaluationPlan& plan = options.plan;
   plan.parameters = *parameters;
   plan.worlds = options.subjects;
-  plan.share_maps = !options.alone;
+  if (options.alone) plan.sharing = MapSharing::kNone;
+  if (options.exact_maps) plan.sharing = MapSharing::kExact;
   if (const Status known = check_worlds(plan.worlds); !known) return fail(known.error());
   std::vector<EvaluationRun> runs;
   {
@@ -158,6 +160,9 @@ void add_eval_command(CLI::App& app, int& exit_code) {
       ->capture_default_str();
   CLI::Option* alone =
       eval->add_flag("--alone", options->alone, "robots do not tell each other anything");
+  eval->add_flag("--exact-maps", options->exact_maps,
+                 "maps reach the others unrounded, to see what the wire's rounding costs")
+      ->excludes(alone);
   eval->add_flag("--joint", options->plan.joint, "aligned robots go on in one filter")
       ->excludes(alone);
   add_set_option(*eval, options->assignments);

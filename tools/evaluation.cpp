@@ -44,7 +44,7 @@ void evaluate_one(const EvaluationPlan& plan, EvaluationRun& run, const RunProgr
     return;
   }
   const auto log =
-      run_team(team->sources, {plan.parameters, run.seed, plan.share_maps, plan.joint}, progress);
+      run_team(team->sources, {plan.parameters, run.seed, plan.sharing, plan.joint}, progress);
   if (!log.ok()) {
     run.failure = log.error().message;
     return;

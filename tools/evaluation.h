@@ -9,6 +9,7 @@
 
 #include "slam/parameters.h"
 #include "tools/report/figures.h"
+#include "tools/runner/team.h"
 
 namespace zenith::tools {
 
@@ -18,7 +19,7 @@ struct EvaluationPlan {
   int seeds = 1;
   double duration_s = 0.0;  // 0: as long as the world says
   int jobs = 1;             // threads; step times are honest with one only
-  bool share_maps = true;
+  MapSharing sharing = MapSharing::kAsSent;
   bool joint = false;  // aligned robots go on in one filter
   Parameters parameters;
 };

@@ -44,7 +44,8 @@ Result<ReplayResult> replay(const ReplayPlan& plan, const std::filesystem::path&
   const auto report = [&](int done, int total) {
     if (progress) progress(static_cast<double>(done) / total);
   };
-  const auto log = run_team(*sources, {plan.parameters, plan.seed, true, plan.joint}, report);
+  const auto log =
+      run_team(*sources, {plan.parameters, plan.seed, MapSharing::kAsSent, plan.joint}, report);
   if (!log.ok()) return log.error();
   ReplayResult result;
   result.figures = judge(*log);

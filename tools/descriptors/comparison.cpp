@@ -119,10 +119,24 @@ Trial make_trial(const LookSequence& sequence, const ComparisonSettings& setting
   return trial;
 }
 
-void run_query(const Trial& trial, int query, const std::vector<Descriptor>& described,
-               Tally& tally) {
+// All looks of the sequence as queries and as stored ones.
+struct Described {
+  std::vector<Descriptor> query;
+  std::vector<Descriptor> stored;
+};
+
+Described describe_all(const LookSequence& sequence, const DescriptorKind& kind) {
+  Described out;
+  for (const Look& look : sequence.looks) {
+    out.query.push_back(describe(look.patch, kind.length));
+    out.stored.push_back(kind.sent ? sent(out.query.back()) : out.query.back());
+  }
+  return out;
+}
+
+void run_query(const Trial& trial, int query, const Described& described, Tally& tally) {
   const Look& look = look_at(trial.sequence, query);
-  const Descriptor& mine = described[static_cast<std::size_t>(query)];
+  const Descriptor& mine = described.query[static_cast<std::size_t>(query)];
   const Eigen::Vector3d& place = trial.sequence.places_m[static_cast<std::size_t>(look.landmark)];
   float right = -1.0F;
   float wrong = -1.0F;
@@ -132,7 +146,7 @@ void run_query(const Trial& trial, int query, const std::vector<Descriptor>& des
     float best = -2.0F;
     for (const int s : trial.stored[l]) {
       if (own && !apart(look, look_at(trial.sequence, s), trial.sequence, trial.settings)) continue;
-      best = std::max(best, similarity(mine, described[static_cast<std::size_t>(s)]));
+      best = std::max(best, similarity(mine, described.stored[static_cast<std::size_t>(s)]));
     }
     if (best < -1.5F) continue;
     (own ? tally.right : tally.wrong).add(best);
@@ -164,14 +178,13 @@ Comparison run_trials(const LookSequence& sequence, const ComparisonSettings& se
   }
   if (out.queries == 0) return out;
   out.turned /= out.queries;
-  for (const int length : kComparedLengths) {
-    std::vector<Descriptor> described;
-    for (const Look& look : sequence.looks) described.push_back(describe(look.patch, length));
+  for (const DescriptorKind& kind : kComparedKinds) {
+    const Described described = describe_all(sequence, kind);
     Tally tally;
     for (const Trial& trial : trials) {
       for (const int query : trial.queries) run_query(trial, query, described, tally);
     }
-    out.scores.push_back({length, static_cast<double>(tally.recognised) / out.queries,
+    out.scores.push_back({kind, static_cast<double>(tally.recognised) / out.queries,
                           tally.right.share_from(settings.threshold),
                           tally.wrong.share_from(settings.threshold),
                           tally.wrong.share(tally.right.bin_for(0.8))});

@@ -4,8 +4,9 @@
 //
 //   full     the patch made zero-mean, 256 values: NCC itself
 //   DCT n    the first n coefficients of its DCT-II in zigzag order, without the constant one
+//   sent     DCT 32 with stored looks as peers get them: 4 bits (slam/exchange/quantise.h)
 //
-// all in int8 with an inverse norm, as the core keeps them (slam/image/patch.h).
+// all others in int8 with an inverse norm, as the core keeps them (slam/image/patch.h).
 
 #include <span>
 #include <string>
@@ -16,7 +17,20 @@
 namespace zenith::tools {
 
 inline constexpr int kFullLength = kPatchLength;
-inline constexpr int kComparedLengths[] = {kFullLength, 48, kCompactLength, 24};
+
+struct DescriptorKind {
+  const char* name = "";
+  int length = 0;     // values: kFullLength, or coefficients up to 120
+  bool sent = false;  // stored looks have gone over the wire; queries are the robot's own
+  int bytes = 0;      // of a stored look
+};
+inline constexpr DescriptorKind kComparedKinds[] = {
+    {"full NCC", kFullLength, false, kFullLength},
+    {"DCT 48", 48, false, 48},
+    {"DCT 32", kCompactLength, false, kCompactLength},
+    {"DCT 32 sent", kCompactLength, true, kCompactLength / 2},
+    {"DCT 24", 24, false, 24},
+};
 
 struct ComparisonSettings {
   int stored_looks = 1;       // of each landmark, at most; a further one only if it looks different
@@ -28,7 +42,7 @@ struct ComparisonSettings {
 };
 
 struct DescriptorScore {
-  int length = 0;             // bytes
+  DescriptorKind kind;
   double rank1 = 0.0;         // queries whose most similar landmark is the right one
   double true_accept = 0.0;   // right pairs at or above the threshold
   double false_accept = 0.0;  // wrong ones
@@ -54,6 +68,8 @@ struct Descriptor {
   float inverse_norm = 0.0F;
 };
 Descriptor describe(const Patch& patch, int length);
+// As a peer gets it; of kCompactLength values.
+Descriptor sent(const Descriptor& descriptor);
 float similarity(const Descriptor& a, const Descriptor& b);
 
 }  // namespace zenith::tools

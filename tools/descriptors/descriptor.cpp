@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "slam/exchange/quantise.h"
 #include "slam/image/ncc.h"
 #include "tools/descriptors/comparison.h"
 
@@ -75,6 +76,14 @@ Descriptor describe(const Patch& patch, int length) {
     return {{c.values.begin(), c.values.end()}, c.inverse_norm};
   }
   return quantise(zigzag(patch, length));
+}
+
+Descriptor sent(const Descriptor& descriptor) {
+  exchange::Coefficients values = {};
+  std::copy_n(descriptor.values.begin(), values.size(), values.begin());
+  const auto bytes = exchange::encode_coefficients(values);
+  exchange::decode_coefficients(bytes.data(), values);
+  return {{values.begin(), values.end()}, compact_from(values).inverse_norm};
 }
 
 float similarity(const Descriptor& a, const Descriptor& b) {

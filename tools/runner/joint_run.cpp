@@ -48,7 +48,7 @@ class JointRun {
       for (int i = 0; i < size(); ++i) {
         if (i != from && leads(i)) to.push_back(i);
       }
-      tell_peers(team_, from, to);
+      tell_peers(team_, from, to, MapSharing::kExact);
     }
   }
 

@@ -39,11 +39,11 @@ std::vector<int> all_but(const Team& team, int robot) {
 }
 
 // Every robot its own filter. Returns the first failure of a source.
-Status run_apart(Team& team, bool share_maps, int total, const RunProgress& progress) {
+Status run_apart(Team& team, MapSharing sharing, int total, const RunProgress& progress) {
   int done = 0;
   for (int i = next_to_step(team); i >= 0; i = next_to_step(team)) {
     team[i]->step();
-    if (share_maps) tell_peers(team, i, all_but(team, i));
+    tell_peers(team, i, all_but(team, i), sharing);
     if (const auto more = team[i]->advance(); !more.ok()) return more.error();
     if (progress) progress(++done, total);
   }
@@ -71,7 +71,7 @@ Result<TeamLog> run_team(std::span<const std::unique_ptr<Source>> sources,
     if (!joint.ok()) return joint.error();
     log.joint = std::move(*joint);
   } else {
-    const Status ran = run_apart(team, options.share_maps, total, progress);
+    const Status ran = run_apart(team, options.sharing, total, progress);
     if (!ran) return ran.error();
   }
   for (auto& member : team) log.robots.push_back(member->finish());

@@ -1,6 +1,7 @@
 #pragma once
 // Runs a team in one process: every robot its own Slam, frames in the order of their stamps, and
-// after each step the robot's new records go to all others at once. A network without faults.
+// after each step the robot's new records go to all others at once, rounded as on the wire. A
+// network without faults.
 
 #include <cstdint>
 #include <functional>
@@ -11,14 +12,15 @@
 #include "platform/recording/source.h"
 #include "slam/parameters.h"
 #include "tools/runner/run_log.h"
+#include "tools/runner/team.h"
 
 namespace zenith::tools {
 
 struct RunOptions {
   Parameters parameters;
   std::uint64_t seed = 1;
-  bool share_maps = true;  // false: each robot alone
-  bool joint = false;      // aligned robots go on in one filter; see joint_run.h
+  MapSharing sharing = MapSharing::kAsSent;
+  bool joint = false;  // aligned robots go on in one filter; see joint_run.h
 };
 
 // Called after every frame with the frames done and the frames in all.

@@ -67,15 +67,15 @@ TEST(Descriptors, CountsRightAndWrongPairs) {
   EXPECT_EQ(clear[0].queries, 2);
   EXPECT_EQ(clear[0].landmarks, 2);
   for (const DescriptorScore& score : clear[0].scores) {
-    EXPECT_EQ(score.rank1, 1.0) << score.length;
-    EXPECT_EQ(score.true_accept, 1.0) << score.length;
-    EXPECT_EQ(score.false_accept, 0.0) << score.length;
+    EXPECT_EQ(score.rank1, 1.0) << score.kind.name;
+    EXPECT_EQ(score.true_accept, 1.0) << score.kind.name;
+    EXPECT_EQ(score.false_accept, 0.0) << score.kind.name;
   }
   const auto confused = compare_descriptors(two_landmarks(random, true), {});
   for (const DescriptorScore& score : confused[0].scores) {
-    EXPECT_EQ(score.rank1, 0.5) << score.length;
-    EXPECT_EQ(score.true_accept, 0.5) << score.length;
-    EXPECT_EQ(score.false_accept, 0.5) << score.length;
+    EXPECT_EQ(score.rank1, 0.5) << score.kind.name;
+    EXPECT_EQ(score.true_accept, 0.5) << score.kind.name;
+    EXPECT_EQ(score.false_accept, 0.5) << score.kind.name;
   }
 }
 
