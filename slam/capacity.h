@@ -51,8 +51,8 @@ inline constexpr int kPeerBlock = 128;
 inline constexpr int kPeerBlocks = 160;
 inline constexpr int kPeerLandmarkPool = kPeerBlock * kPeerBlocks;
 
-// The looks of a landmark that travel.
-inline constexpr int kPublishedAppearances = 8;
+// The looks of a landmark that travel: six whole records fill a datagram.
+inline constexpr int kPublishedAppearances = 7;
 
 // Alignments under test with one peer; pairs of landmarks that hold an alignment. All peers share
 // one pool: each may have kMaxHypotheses, and when no more than the reserve is left only

@@ -9,8 +9,6 @@ namespace zenith::exchange {
 namespace {
 
 constexpr double kSmallestDeviation = 1e-4;
-constexpr int kLookUnit = 7;
-constexpr int kLookStep = 18;
 
 // 2^(i / 16): written out, so that all machines decode the same.
 constexpr std::array<double, 16> kSixteenths = {
@@ -36,6 +34,22 @@ double parts_of_turn(double angle_rad, double parts) {
   if (!std::isfinite(angle_rad)) return 0.0;
   const double turns = std::remainder(angle_rad, 2.0 * std::numbers::pi) / (2.0 * std::numbers::pi);
   return std::round(turns * parts);
+}
+
+// Small coefficients are as many as they are telling: they get the finer steps.
+int value_of(int code) {
+  const int magnitude = (14 * code * code + 12) / 25;
+  return code < 0 ? -magnitude : magnitude;
+}
+
+int nearest_code(double value) {
+  int best = 0;
+  for (int code = 1; code <= kLargestCode; ++code) {
+    if (std::abs(value_of(code) - std::abs(value)) < std::abs(value_of(best) - std::abs(value))) {
+      best = code;
+    }
+  }
+  return value < 0.0 ? -best : best;
 }
 
 }  // namespace
@@ -136,26 +150,27 @@ std::array<float, 6> decode_covariance(const std::array<std::uint8_t, 3>& deviat
 std::array<std::uint8_t, kLookBytes> encode_coefficients(const Coefficients& values) {
   int largest = 1;
   for (const std::int8_t value : values) largest = std::max(largest, std::abs(int{value}));
-  const auto nibble = [largest](std::int8_t value) {
-    const double scaled = std::round(static_cast<double>(value) * kLookUnit / largest);
-    return static_cast<unsigned>(static_cast<int>(scaled)) & 0xFU;
-  };
   std::array<std::uint8_t, kLookBytes> bytes = {};
-  for (std::size_t i = 0; i < kLookBytes; ++i) {
-    bytes[i] = static_cast<std::uint8_t>(nibble(values[2 * i]) | nibble(values[2 * i + 1]) << 4u);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const double scaled = static_cast<double>(values[i]) * kLargestValue / largest;
+    const unsigned code = static_cast<unsigned>(nearest_code(scaled)) & 0x1FU;
+    const std::size_t bit = i * kBitsOfCoefficient;
+    const unsigned placed = code << (bit % 8);
+    bytes[bit / 8] = static_cast<std::uint8_t>(bytes[bit / 8] | (placed & 0xFFU));
+    if (placed > 0xFFU) bytes[bit / 8 + 1] = static_cast<std::uint8_t>(placed >> 8U);
   }
   return bytes;
 }
 
 bool decode_coefficients(const std::uint8_t* bytes, Coefficients& values) {
-  const auto coefficient = [](unsigned nibble) {
-    const int value = static_cast<int>(nibble) - (nibble >= 8 ? 16 : 0);
-    return value;
-  };
   for (std::size_t i = 0; i < values.size(); ++i) {
-    const int value = coefficient((bytes[i / 2] >> (4u * (i % 2))) & 0xFU);
-    if (value < -kLookUnit) return false;
-    values[i] = static_cast<std::int8_t>(value * kLookStep);
+    const std::size_t bit = i * kBitsOfCoefficient;
+    unsigned window = bytes[bit / 8];
+    if (bit / 8 + 1 < kLookBytes) window |= static_cast<unsigned>(bytes[bit / 8 + 1]) << 8U;
+    const unsigned field = (window >> (bit % 8)) & 0x1FU;
+    const int code = static_cast<int>(field) - (field >= 16 ? 32 : 0);
+    if (code < -kLargestCode) return false;
+    values[i] = static_cast<std::int8_t>(value_of(code));
   }
   return true;
 }

@@ -42,12 +42,16 @@ Correlations encode_correlations(const std::array<float, 6>& covariance);
 std::array<float, 6> decode_covariance(const std::array<std::uint8_t, 3>& deviations,
                                        const Correlations& correlations);
 
-// 32 coefficients of 4 bits, the largest 7 or -7, low half first. Decoded in steps of 18, so that
-// the largest is 126 as before.
-inline constexpr std::size_t kLookBytes = kCompactLength / 2;
+// 32 coefficients of 5 bits: -15 .. 15, the largest of a look 15 or -15; code c stands for the
+// value (14 c^2 + 12) / 25 with its sign, whole numbers. Coefficient i lies in the bits 5 i .. 5 i
+// + 4, bit 0 being the lowest of the first byte. docs/measurements/descriptors.md says why so.
+inline constexpr std::size_t kBitsOfCoefficient = 5;
+inline constexpr std::size_t kLookBytes = kCompactLength * kBitsOfCoefficient / 8;
+inline constexpr int kLargestCode = 15;
+inline constexpr int kLargestValue = 126;
 using Coefficients = std::array<std::int8_t, kCompactLength>;
 std::array<std::uint8_t, kLookBytes> encode_coefficients(const Coefficients& values);
-// False when a coefficient is -8.
+// False when a code is -16.
 bool decode_coefficients(const std::uint8_t* bytes, Coefficients& values);
 
 }  // namespace zenith::exchange

@@ -15,7 +15,7 @@ inline constexpr std::size_t kRemovedBytes = 8;
 inline constexpr std::size_t kRecordBytes = 23;
 inline constexpr std::size_t kBytesOfLook = 1 + kLookBytes;
 inline constexpr std::size_t kMaxRecordBytes = kRecordBytes + kPublishedAppearances * kBytesOfLook;
-static_assert(kMaxRecordBytes == 159);
+static_assert(kMaxRecordBytes == 170);
 
 // One record as it goes onto the wire; the revision's two bytes are written when it is sent.
 struct EncodedRecord {
@@ -26,7 +26,7 @@ struct EncodedRecord {
 };
 
 // False, and `out` untouched, when the record cannot be told: a place or covariance that is not
-// finite, lies beyond 8.3 km or is less certain than 6.2 m. More than 8 looks are cut, more than
+// finite, lies beyond 8.3 km or is less certain than 6.2 m. More than 7 looks are cut, more than
 // 255 observations told as 255. A matrix that is not positive semidefinite loses correlation.
 bool encode_record(const LandmarkRecord& record, EncodedRecord& out);
 

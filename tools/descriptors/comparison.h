@@ -4,7 +4,7 @@
 //
 //   full     the patch made zero-mean, 256 values: NCC itself
 //   DCT n    the first n coefficients of its DCT-II in zigzag order, without the constant one
-//   sent     DCT 32 with stored looks as peers get them: 4 bits (slam/exchange/quantise.h)
+//   sent     DCT 32 with stored looks as peers get them: 5 bits (slam/exchange/quantise.h)
 //
 // all others in int8 with an inverse norm, as the core keeps them (slam/image/patch.h).
 
@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "slam/exchange/quantise.h"
 #include "tools/descriptors/looks.h"
 
 namespace zenith::tools {
@@ -20,15 +21,15 @@ inline constexpr int kFullLength = kPatchLength;
 
 struct DescriptorKind {
   const char* name = "";
-  int length = 0;     // values: kFullLength, or coefficients up to 120
-  bool sent = false;  // stored looks have gone over the wire; queries are the robot's own
-  int bytes = 0;      // of a stored look
+  int length = 0;         // values: kFullLength, or coefficients up to 120
+  bool sent = false;      // stored looks have gone over the wire; queries are the robot's own
+  std::size_t bytes = 0;  // of a stored look
 };
 inline constexpr DescriptorKind kComparedKinds[] = {
     {"full NCC", kFullLength, false, kFullLength},
     {"DCT 48", 48, false, 48},
     {"DCT 32", kCompactLength, false, kCompactLength},
-    {"DCT 32 sent", kCompactLength, true, kCompactLength / 2},
+    {"DCT 32 sent", kCompactLength, true, exchange::kLookBytes},
     {"DCT 24", 24, false, 24},
 };
 

@@ -30,8 +30,8 @@ LandmarkRecord golden_record() {
 
 constexpr const char* kGolden =
     "04 03 02 01  06 05  02 ff  d2 04 00  3c f6 ff  be 0a 00  6b 7b 00  3f e0 00"
-    "40 97 10 4f 00 00 00 00 00 00 00 00 00 00 00 00 00"
-    "e0 00 00 00 00 00 00 00 00 00 00 00 00 00 00 00 90";
+    "40 2f 02 a3 17 00 00 00 00 00 00 00 00 00 00 00 00 00 00 00 00"
+    "e0 00 00 00 00 00 00 00 00 00 00 00 00 00 00 00 00 00 00 00 88";
 
 std::vector<std::uint8_t> bytes_of(const LandmarkRecord& r, std::uint16_t revision) {
   EncodedRecord encoded;
@@ -79,7 +79,7 @@ TEST(RecordCode, ReadsGoldenBytes) {
   ASSERT_EQ(r.appearance_count, 2);
   EXPECT_FLOAT_EQ(r.appearances[0].direction_rad, std::numbers::pi_v<float> / 2.0F);
   EXPECT_FLOAT_EQ(r.appearances[1].direction_rad, -std::numbers::pi_v<float> / 4.0F);
-  const Coefficients first = {126, -126, 0, 18, -18, 72};
+  const Coefficients first = {126, -126, 0, 20, -20, 68};
   EXPECT_EQ(r.appearances[0].descriptor, first);
   EXPECT_EQ(r.appearances[1].descriptor[31], -126);
 }
@@ -114,7 +114,7 @@ TEST(RecordCode, RefusesMalformedBytes) {
     return !decode_record(in, 1, r);
   };
   EXPECT_FALSE(refused(0, 0x77));
-  EXPECT_TRUE(refused(6, 9));  // looks
+  EXPECT_TRUE(refused(6, 8));  // looks
   EXPECT_TRUE(refused(6, 3));  // more looks than bytes
   auto lowest = from_hex(kGolden);
   lowest[8] = lowest[9] = 0;
@@ -124,7 +124,7 @@ TEST(RecordCode, RefusesMalformedBytes) {
   EXPECT_FALSE(decode_record(in, 1, r));
   EXPECT_TRUE(refused(20, 0x80));  // correlation -128
   EXPECT_TRUE(refused(22, 0x7F));  // 0.5, -0.25 and 1 together are no correlations
-  EXPECT_TRUE(refused(25, 0x08));  // coefficient -8
+  EXPECT_TRUE(refused(24, 0x30));  // code -16
   for (std::size_t size = 0; size < from_hex(kGolden).size(); ++size) {
     const auto bytes = from_hex(kGolden);
     ByteReader cut(Bytes(bytes).first(size));
