@@ -6,10 +6,10 @@
 //
 // A step of the wall clock between a frame's reception and that moment shifts the result by as
 // much. So a stamp is believed only when it lies after the moment at which the queue was last seen
-// empty, less kMaxHandover, and not after now, but for kSlack; otherwise it is replaced by the nearer
-// end of that span and counted. (Too old a stamp is not made `now`: those of the frames behind it
-// would then lie before it, and their travel would seem to have come in no time.) Stamps never go
-// back.
+// empty, less kMaxHandover, and not after now, but for kSlack; otherwise it is replaced and
+// counted: by `now`, or, when it is too old, by the moment of the empty queue. (Were that `now`,
+// too, the stamps of the frames behind it would lie before it, and their travel seem to have come
+// in no time.) Stamps never go back.
 
 #include <algorithm>
 #include <cstdint>
@@ -45,7 +45,7 @@ class CanStamps {
       if (age_ns >= -kSlack.ns && age_ns <= oldest_ns) {
         judged = {std::min(now, now - Duration{age_ns}), false};
       } else if (age_ns > oldest_ns) {
-        judged.stamp = now - Duration{oldest_ns};
+        judged.stamp = std::min(now, std::max(empty_at_, last_ + Duration{1}));
       }
     }
     last_ = judged.stamp = std::max(judged.stamp, last_);
