@@ -25,7 +25,7 @@ struct Settings {
   std::uint32_t max_rate = 125'000;
   std::uint32_t news_rate = 20'000;
   // A landmark that peers know is told of again after so long, however often it changes.
-  Duration rest = Duration::from_seconds(5.0);
+  Duration rest = Duration::from_seconds(8.0);
   // What one peer may send. It is held against its datagrams as they arrive, so it must be well
   // above its max_rate.
   std::uint32_t peer_rate = 500'000;

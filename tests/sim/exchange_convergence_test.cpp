@@ -21,7 +21,8 @@ class Mapping {
     FleetNode& node = fleet_.node(robot);
     std::uint32_t& next = next_id_[static_cast<std::size_t>(robot)];
     for (int i = 0; i < news; ++i) {
-      node.set(made_up_record(random, ++next, 1 + static_cast<int>(random.below(8))));
+      node.set(made_up_record(random, ++next,
+                              1 + static_cast<int>(random.below(kPublishedAppearances))));
     }
     for (int i = 0; i < changes && next > 0; ++i) {
       const std::uint32_t id = 1 + random.below(next);

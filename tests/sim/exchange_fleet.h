@@ -20,7 +20,7 @@ LandmarkRecord as_told(const LandmarkRecord& record);
 // All fields but the revision.
 bool same_record(const LandmarkRecord& a, const LandmarkRecord& b);
 // A landmark of the given number of looks somewhere in a hall.
-LandmarkRecord made_up_record(Random& random, std::uint32_t id, int looks = 8);
+LandmarkRecord made_up_record(Random& random, std::uint32_t id, int looks = kPublishedAppearances);
 
 class FleetNode final : public sim::NetworkNode, public RecordSink {
  public:

@@ -119,8 +119,8 @@ TEST_P(Newcomer, GetsAllForLittle) {
   const double took_s = fleet.run_until_same(30.0, 0.05);
   ASSERT_LT(took_s, 30.0) << fleet.first_difference();
   const std::uint64_t bytes = all_bytes() - before;
-  print_figure("exchange: a newcomer gets %u landmarks of 8 looks for %.1f kB in %.1f s", landmarks,
-               static_cast<double>(bytes) / 1e3, took_s);
+  print_figure("exchange: a newcomer gets %u landmarks with all looks for %.1f kB in %.1f s",
+               landmarks, static_cast<double>(bytes) / 1e3, took_s);
   EXPECT_LE(static_cast<double>(bytes), most_bytes);
 }
 
@@ -149,7 +149,7 @@ TEST(ExchangeTraffic, BackfillWithinFiveSecondsOfTheReturn) {
     longest_s = std::max(longest_s, fleet.run_until_same(30.0, 0.05));
     EXPECT_LE(fleet.network.traffic(0).busiest_second_bytes, Settings{}.max_rate);
   }
-  print_figure("exchange: 2000 changed landmarks of 8 looks are back %.2f s after the return",
+  print_figure("exchange: 2000 changed landmarks with all looks are back %.2f s after the return",
                longest_s);
   EXPECT_LE(longest_s, 5.0);
 }
