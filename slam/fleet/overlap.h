@@ -41,13 +41,6 @@ struct OverlapSettings {
   double height_tolerance_m = 0.15;  // besides three sigmas of both
 };
 
-// The best look of a peer's landmark for a patch.
-struct LookMatch {
-  float ncc = -1.0F;
-  float direction_rad = 0.0F;
-};
-LookMatch best_look(const PeerLandmark& landmark, const CompactPatch& patch);
-
 // The best landmarks of the peer for every observed one.
 void find_overlap(const ObservedFrame& frame, const PeerMap& peer, const OverlapSettings& settings,
                   OverlapMatches& out);

@@ -1,6 +1,8 @@
 // The search for common landmarks in a peer's map, from one frame that shows 60: real looks from
 // rendered frames, scattered over 500 m2; four looks of each, all at heights that agree.
 
+#include <array>
+
 #include <benchmark/benchmark.h>
 
 #include "platform/base/random.h"
@@ -91,6 +93,18 @@ void overlap_search(benchmark::State& state) {
   state.counters["matches"] = static_cast<double>(rig.matches().size());
 }
 BENCHMARK(overlap_search)->Arg(500)->Arg(2000)->Arg(4000)->Unit(benchmark::kMicrosecond);
+
+// All that a fleet knows: 10 000 landmarks in the maps of three peers.
+void overlap_search_of_a_fleet(benchmark::State& state) {
+  std::array<FleetRig, 3> rigs = {FleetRig(3334), FleetRig(3333), FleetRig(3333)};
+  for (auto _ : state) {
+    for (FleetRig& rig : rigs) {
+      find_overlap(rig.frame(), rig.peer(), OverlapSettings{}, rig.matches());
+      benchmark::DoNotOptimize(rig.matches().size());
+    }
+  }
+}
+BENCHMARK(overlap_search_of_a_fleet)->Unit(benchmark::kMicrosecond);
 
 void hough_places(benchmark::State& state) {
   FleetRig rig(2000);

@@ -16,10 +16,10 @@ RenderedDrive render() {
     std::fprintf(stderr, "%s\n", team.error().message.c_str());
     std::exit(1);
   }
-  tools::Source& source = *team->sources.front();
+  Source& source = *team->sources.front();
   RenderedDrive drive;
   drive.robot = source.config();
-  tools::SourceFrame frame;
+  SourceFrame frame;
   for (;;) {
     const Result<bool> more = source.next(frame);
     if (!more.ok() || !*more) break;

@@ -68,15 +68,20 @@ TEST(Overlap, ALookThatFitsManySaysLittle) {
 
 TEST(Overlap, TheBestLookCounts) {
   Random random(4);
-  const CompactPatch a = compact(point_world::random_patch(random));
-  const CompactPatch b = compact(point_world::random_patch(random));
-  PeerLandmark l;
-  EXPECT_EQ(best_look(l, a).ncc, -1.0F);
-  l.appearance_count = 2;
-  l.appearances[0] = {b, 0.1F};
-  l.appearances[1] = {a, 0.2F};
-  EXPECT_NEAR(best_look(l, a).ncc, 1.0F, 1e-4F);
-  EXPECT_EQ(best_look(l, a).direction_rad, 0.2F);
+  const PointWorld world = PointWorld::scatter(random, 1, -1.0, 1.0, -1.0, 1.0);
+  PeerRig peer(world, {});
+  LandmarkRecord more = record_of(world.landmarks[0], 1, 2, {});
+  more.appearance_count = 2;
+  more.appearances[0] = {compact(point_world::random_patch(random)).values, 0.1F};
+  more.appearances[1] = {world.landmarks[0].compact.values, 0.2F};
+  ASSERT_TRUE(peer.map.apply(more));
+  ObservedFrame frame;
+  frame.push_back(observed_of(world.landmarks[0], 0, {}, 0.0, random));
+  OverlapMatches matches;
+  find_overlap(frame, peer.map, {}, matches);
+  ASSERT_EQ(matches.size(), 1U);
+  EXPECT_NEAR(matches[0].ncc, 1.0F, 1e-4F);
+  EXPECT_FLOAT_EQ(matches[0].heading_rad, 0.2F - frame[0].orientation_rad);
 }
 
 TEST(Overlap, RemovedLandmarksAreNotFound) {
