@@ -15,11 +15,6 @@ unsigned long long ns_of(Time time) {
   return static_cast<unsigned long long>(time.ns);
 }
 
-const char* state_text(AlignmentState state) {
-  if (state == AlignmentState::kMerged) return "merged";
-  return state == AlignmentState::kWithdrawn ? "withdrawn" : "candidate";
-}
-
 void write_camera(JsonLine& line, const PerceptionReport& report) {
   const CameraCounters& c = report.camera;
   line.begin("camera")
@@ -111,7 +106,7 @@ void write_alignment(JsonLine& line, const PeerReport& peer, std::string_view na
       .count("stamp_ns", ns_of(stamp))
       .number("peer", peer.peer)
       .text("name", name)
-      .text("state", state_text(peer.state))
+      .text("state", state_name(peer.state))
       .numbers("pose", numbers_of(peer.T_own_peer))
       .numbers("variance", peer.variance)
       .number("confidence", peer.confidence)

@@ -18,6 +18,12 @@ struct LandmarkEstimate {
 
 enum class AlignmentState { kCandidate, kMerged, kWithdrawn };
 
+// As files and telemetry say it.
+constexpr const char* state_name(AlignmentState state) {
+  if (state == AlignmentState::kMerged) return "merged";
+  return state == AlignmentState::kWithdrawn ? "withdrawn" : "candidate";
+}
+
 // The transform that takes peer's coordinates into the robot's own start frame.
 struct Alignment {
   int peer = 0;  // slot, as given to receive()

@@ -46,13 +46,7 @@ class Seeker {
     similar_ = 0;
   }
 
-  // heights_agree() without a root.
-  bool may_be_at(const PeerLandmark& l) const {
-    const double beyond = std::abs(own_->z_m - static_cast<double>(l.z_m)) - tolerance_m_;
-    const double variance =
-        own_->z_sigma_m * own_->z_sigma_m + static_cast<double>(l.covariance_m2[5]);
-    return beyond < 0.0 || beyond * beyond < 9.0 * variance;
-  }
+  bool may_be_at(const PeerLandmark& l) const { return heights_agree(*own_, l, tolerance_m_); }
 
   void meet(int slot, const PeerLandmark& l, const WideLooks& looks, float ncc_min) {
     float ncc = -1.0F;
@@ -95,10 +89,11 @@ class Seeker {
 }  // namespace
 
 bool heights_agree(const Observed& own, const PeerLandmark& peer, double tolerance_m) {
+  // Three sigmas, compared in squares: this is asked of every pair of landmarks.
+  const double beyond_m = std::abs(own.z_m - static_cast<double>(peer.z_m)) - tolerance_m;
   const double variance =
       own.z_sigma_m * own.z_sigma_m + static_cast<double>(peer.covariance_m2[5]);
-  return std::abs(own.z_m - static_cast<double>(peer.z_m)) <
-         tolerance_m + 3.0 * std::sqrt(variance);
+  return beyond_m < 0.0 || beyond_m * beyond_m < 9.0 * variance;
 }
 
 void find_overlap(const ObservedFrame& frame, const PeerMap& peer, const OverlapSettings& settings,

@@ -178,18 +178,6 @@ std::string summary_text_of(const TeamLog& log, const TeamFigures& figures,
 
 }  // namespace
 
-const char* state_name(AlignmentState state) {
-  switch (state) {
-    case AlignmentState::kCandidate:
-      return "candidate";
-    case AlignmentState::kMerged:
-      return "merged";
-    case AlignmentState::kWithdrawn:
-      return "withdrawn";
-  }
-  return "?";
-}
-
 Status write_files(const fs::path& folder, const TeamLog& log, const TeamFigures& figures,
                    const RunDescription& run) {
   for (std::size_t i = 0; i < log.robots.size(); ++i) {

@@ -29,6 +29,4 @@ struct RunDescription {
 Status write_files(const std::filesystem::path& folder, const TeamLog& log,
                    const TeamFigures& figures, const RunDescription& run);
 
-const char* state_name(AlignmentState state);
-
 }  // namespace zenith::tools
