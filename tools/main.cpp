@@ -1,8 +1,11 @@
 // zenith: the command line tool around the robots. One file per subcommand: cmd_*.cpp.
 
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
 
+#include "platform/linux/cpu.h"
+#include "slam/kernels/isa_in_use.h"
 #include "tools/commands.h"
 #include "tools/overrides.h"
 
@@ -24,6 +27,12 @@ On a robot:
 
 int run(int argc, char** argv) {
   using namespace zenith::tools;
+  const auto isa = zenith::choose_isa(std::getenv("ZENITH_SIMD"));
+  if (!isa) {
+    std::fprintf(stderr, "zenith: error: %s\n", isa.error().message.c_str());
+    return 2;
+  }
+  zenith::use_isa(*isa);
   int exit_code = 0;
   CLI::App app("One map by many robots that look at the ceiling.", "zenith");
   app.footer(kFooter);

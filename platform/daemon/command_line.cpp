@@ -1,6 +1,7 @@
 // The program around run_daemon(): arguments, and what is answered without running.
 
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
 #include <string>
 #include <string_view>
@@ -8,9 +9,11 @@
 #include "platform/daemon/config_text.h"
 #include "platform/daemon/daemon.h"
 #include "platform/daemon/version.h"
+#include "platform/linux/cpu.h"
 #include "platform/linux/local_socket.h"
 #include "platform/linux/realtime.h"
 #include "platform/linux/signals.h"
+#include "slam/kernels/isa_in_use.h"
 #include "slam/slam.h"
 
 namespace zenith {
@@ -40,6 +43,9 @@ a second.
 It tells how it is on standard error (journald's levels when started by systemd), on LEDs, and on
 a local socket, a line of JSON each:
   socat -u UNIX-CONNECT:/run/zenith/telemetry.sock,type=5 -
+
+Environment: ZENITH_SIMD=scalar, sse4.1, avx2, avx512, neon or neon-dotprod takes kernels for that
+instruction set instead of the best that the processor has. The results are the same.
 
 Exit codes: 0 ended as asked or the file is good, 1 failed, 2 wrong arguments or configuration.
 docs/daemon.md explains more, docs/configuration.md every key.
@@ -114,6 +120,7 @@ int check(const DaemonConfig& config, MakeDevices make_devices) {
               devices->robot.frame_rate_hz);
   std::printf("map:       %d particles, %zu KiB\n", config.slam.particles,
               Slam::memory_needed(config.slam) / 1024);
+  std::printf("kernels:   %s\n", std::string(isa_name(isa_in_use())).c_str());
   print_limits(config.realtime);
   std::printf("telemetry: %s\n",
               config.telemetry.enabled ? runtime_path(config.telemetry.socket).c_str() : "none");
@@ -142,6 +149,12 @@ int run(int argc, char** argv, MakeDevices make_devices) {
                  name.c_str());
     return 2;
   }
+  const auto isa = choose_isa(std::getenv("ZENITH_SIMD"));
+  if (!isa) {
+    std::fprintf(stderr, "%s: %s\n", name.c_str(), isa.error().message.c_str());
+    return 2;
+  }
+  use_isa(*isa);
   Signals signals;
   if (const Status opened = signals.open(); !opened) {
     std::fprintf(stderr, "%s: %s\n", name.c_str(), opened.error().message.c_str());

@@ -1,0 +1,47 @@
+#pragma once
+// N numbers that are calculated with at once. A kernel is written once over Lanes<N> and compiled
+// for each instruction set with its own N, with the compiler's vector types underneath.
+//
+// For the files of slam/kernels that are compiled with flags of an instruction set. Everything here
+// is in an unnamed namespace and always inlined, so that no code of such a file is ever linked into
+// another one: std:: algorithms, which are shared between files, must not be called there either.
+
+#include <cstdint>
+
+namespace zenith {
+namespace {
+
+#define ZENITH_INLINE inline __attribute__((always_inline))
+
+template <int N>
+struct LaneTypes {
+  using Float [[gnu::vector_size(N * 4)]] = float;
+  using Int [[gnu::vector_size(N * 4)]] = std::int32_t;
+};
+
+template <int N>
+using Floats = typename LaneTypes<N>::Float;
+template <int N>
+using Ints = typename LaneTypes<N>::Int;
+
+// From and to memory that need not be aligned.
+template <int N>
+ZENITH_INLINE Floats<N> load(const float* from) {
+  Floats<N> lanes;
+  __builtin_memcpy(&lanes, from, sizeof(lanes));
+  return lanes;
+}
+
+template <int N>
+ZENITH_INLINE void store(float* to, const Floats<N>& lanes) {
+  __builtin_memcpy(to, &lanes, sizeof(lanes));
+}
+
+// As std::max(a, b): b where a < b, else a.
+template <typename V>
+ZENITH_INLINE V larger(const V& a, const V& b) {
+  return a < b ? b : a;
+}
+
+}  // namespace
+}  // namespace zenith
