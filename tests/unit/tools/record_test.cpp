@@ -180,7 +180,8 @@ TEST_F(RecordTest, ADbcBaseBringsItsFile) {
 
 TEST(FrameStore, ListsInOrderWhicheverThreadIsQuicker) {
   TemporaryFolder folder;
-  auto writer = RecordingWriter::create(folder.path() / "rec", small_robot(), {});
+  const RobotFile robot;
+  auto writer = RecordingWriter::create(folder.path() / "rec", small_robot(), robot);
   ASSERT_TRUE(writer.ok());
   const auto pixels = small_pixels(1);
   {
@@ -199,7 +200,8 @@ TEST(FrameStore, ListsInOrderWhicheverThreadIsQuicker) {
 
 TEST(FrameStore, AFrameThatCannotBeWrittenIsNotListed) {
   TemporaryFolder folder;
-  auto writer = RecordingWriter::create(folder.path() / "rec", small_robot(), {});
+  const RobotFile robot;
+  auto writer = RecordingWriter::create(folder.path() / "rec", small_robot(), robot);
   ASSERT_TRUE(writer.ok());
   const auto pixels = small_pixels(1);
   const ImageView image = {pixels.data(), 32, 24, 32};

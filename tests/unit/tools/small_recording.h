@@ -37,7 +37,8 @@ inline Pose2 small_pose(int frame) {
 }
 
 inline void write_small_recording(const std::filesystem::path& folder) {
-  auto writer = RecordingWriter::create(folder, small_robot(), {});
+  const RobotFile robot;
+  auto writer = RecordingWriter::create(folder, small_robot(), robot);
   ASSERT_TRUE(writer.ok()) << writer.error().message;
   for (int i = 0; i <= 60; ++i) {
     const Time stamp{1'000'000'000 + i * 20'000'000LL};
