@@ -1,0 +1,98 @@
+// What a package installs around the programs: units that systemd accepts and calls well guarded,
+// and manual page and completion that know all commands.
+
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <regex>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/figure.h"
+#include "tests/unit/tools/temporary_folder.h"
+
+namespace zenith {
+namespace {
+
+using testing::HasSubstr;
+using tools::read_text;
+using tools::write_text;
+
+struct Said {
+  int exit_code = -1;
+  std::string text;
+};
+
+Said run(const std::string& command) {
+  Said said;
+  FILE* pipe = ::popen((command + " 2>&1").c_str(), "r");
+  if (pipe == nullptr) return said;
+  char part[512];
+  while (std::fgets(part, sizeof part, pipe) != nullptr) said.text += part;
+  said.exit_code = WEXITSTATUS(::pclose(pipe));
+  return said;
+}
+
+class UnitTest : public testing::TestWithParam<const char*> {
+ protected:
+  void SetUp() override {
+    if (run("systemd-analyze --version").exit_code != 0) {
+      GTEST_SKIP() << "SKIPPED, the units were not checked: there is no systemd-analyze";
+    }
+    // The program is where it was built.
+    std::string text = read_text(std::string(ZENITH_UNITS) + "/" + GetParam());
+    text = std::regex_replace(text, std::regex("/usr/bin/zenithd "), std::string(ZENITHD) + " ");
+    write_text(unit_, text);
+  }
+  tools::TemporaryFolder folder_;
+  const std::string unit_ = (folder_.path() / GetParam()).string();
+};
+
+TEST_P(UnitTest, SystemdAcceptsIt) {
+  const Said said = run("systemd-analyze verify --man=no " + unit_);
+  EXPECT_EQ(said.exit_code, 0) << said.text;
+  EXPECT_THAT(said.text, testing::Not(HasSubstr(GetParam()))) << "a warning";
+}
+
+TEST_P(UnitTest, IsGuardedAsFarAsTheDaemonsNeedsAllow) {
+  const Said said = run("systemd-analyze security --offline=yes " + unit_);
+  std::smatch found;
+  ASSERT_TRUE(std::regex_search(said.text, found, std::regex("exposure level for .*: ([0-9.]+)")))
+      << said.text;
+  const double exposure = std::stod(found[1]);
+  print_figure("exposure of %s: %.1f of 10", GetParam(), exposure);
+  EXPECT_LE(exposure, 2.0) << said.text;
+}
+
+INSTANTIATE_TEST_SUITE_P(Units, UnitTest, testing::Values("zenithd.service", "zenithd@.service"),
+                         [](const auto& unit) {
+                           return std::string(unit.index == 0 ? "Single" : "Instance");
+                         });
+
+TEST(Packaging, ManualPageAndHelpKnowTheSameCommands) {
+  const std::string help = run(std::string(ZENITH_TOOL) + " --help").text;
+  const std::size_t begin = help.find("Subcommands:");
+  ASSERT_NE(begin, std::string::npos);
+  const std::string commands = help.substr(begin, help.find("\n\n", begin) - begin);
+  const std::string page = read_text(ZENITH_SOURCE_DIR "/docs/man/zenith.1");
+  int count = 0;
+  const std::regex name("\n  ([a-z]+) ");
+  for (std::sregex_iterator at(commands.begin(), commands.end(), name), end; at != end; ++at) {
+    EXPECT_THAT(page, HasSubstr("\n.B " + at->str(1) + "\n"));
+    ++count;
+  }
+  EXPECT_GE(count, 8);
+}
+
+TEST(Packaging, TheShellCompletesCommandsAndOptions) {
+  const std::string complete =
+      "bash -c 'source " ZENITH_SOURCE_DIR "/tools/completion/zenith; COMP_CWORD=$0; COMP_WORDS=(" +
+      std::string(ZENITH_TOOL) + " \"$@\"); _zenith; echo \"${COMPREPLY[*]}\"' ";
+  EXPECT_EQ(run(complete + "1 rep").text, "replay\n");
+  EXPECT_THAT(run(complete + "2 replay --o").text, HasSubstr("--out"));
+}
+
+}  // namespace
+}  // namespace zenith

@@ -1,0 +1,46 @@
+# Debian packages, made by CPack: `./dev package`. Two of them: zenith is the daemon, with what systemd
+# and udev need to know of it; zenith-tools is the command line tool.
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME zenith)
+set(CPACK_PACKAGE_CONTACT "The Zenith maintainers <maintainers@zenith.invalid>")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_PACKAGE_DIRECTORY ${PROJECT_BINARY_DIR}/packages)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_COMPONENTS_ALL daemon)
+if(ZENITH_TOOLS)
+  list(APPEND CPACK_COMPONENTS_ALL tools)
+endif()
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
+# What the programs are linked with is found out when the packages are made.
+set(CPACK_PROJECT_CONFIG_FILE ${CMAKE_CURRENT_LIST_DIR}/package-depends.cmake)
+
+set(architecture_arm64 arm64)
+set(architecture_aarch64 arm64)
+set(architecture_x86_64 amd64)
+set(architecture_arm armhf)
+set(architecture_armv7l armhf)
+set(CPACK_DEBIAN_PACKAGE_ARCHITECTURE ${architecture_${CMAKE_SYSTEM_PROCESSOR}})
+
+set(CPACK_DEBIAN_DAEMON_PACKAGE_NAME zenith)
+set(CPACK_DEBIAN_DAEMON_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_DAEMON_PACKAGE_RECOMMENDS zenith-tools)
+set(CPACK_COMPONENT_DAEMON_DESCRIPTION
+"A robot with one camera that looks at the ceiling and with wheel odometry on
+CAN builds a map, exchanges it with other robots over UDP, encrypted, and
+joins their maps with its own when it is sure. This package has the daemon,
+its unit for systemd, its configuration and its rules for devices.")
+set(maintainer_scripts ${PROJECT_SOURCE_DIR}/systemd/package)
+set(CPACK_DEBIAN_DAEMON_PACKAGE_CONTROL_EXTRA
+  ${maintainer_scripts}/postinst ${maintainer_scripts}/prerm ${maintainer_scripts}/postrm
+  ${maintainer_scripts}/conffiles)
+
+set(CPACK_DEBIAN_TOOLS_PACKAGE_NAME zenith-tools)
+set(CPACK_DEBIAN_TOOLS_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_TOOLS_PACKAGE_SUGGESTS zenith)
+set(CPACK_COMPONENT_TOOLS_DESCRIPTION
+"zenith diagnoses a robot, makes the key of a fleet, records what a robot sees,
+maps recordings, and simulates robots for whoever has none.")
+
+include(CPack)
