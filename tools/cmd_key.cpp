@@ -21,24 +21,23 @@ The file must be readable by its owner alone (0600), or by root and the group of
 
   chown root:zenith /etc/zenith/fleet.key && chmod 640 /etc/zenith/fleet.key
 
-To change the key, put a new one in front of it, copy the file to all robots, and restart them one
-after the other. Robots with the new file hear those that still have the old one, but not the other
-way round; nothing of the maps is lost meanwhile. Rotate once more to be rid of the old key.
+To change the key, put a new one in front of it, copy the file to all robots, and have them read it
+again, one after the other:
 
   zenith key rotate fleet.key
-  zenith key show fleet.key       which key it is, without giving it away)";
+  scp fleet.key robot1:/etc/zenith/fleet.key && ssh robot1 systemctl reload zenithd
 
-void print_hints(const FleetKeys& keys) {
-  std::printf("key %s\n", hint_text(key_hint(keys.current)).c_str());
-  if (keys.has_previous) {
-    std::printf("previous key %s, which only opens\n", hint_text(key_hint(keys.previous)).c_str());
-  }
-}
+Robots with the new file hear those that still have the old one, but not the other way round until
+those have it, too; nothing of the maps is lost meanwhile. For no gap at all go two rounds: after
+`rotate` do `zenith key swap fleet.key`, so that all robots get to know the new key while they still
+use the old one; then `swap` again, copy and reload again. Rotate once more to be rid of the old key.
+
+  zenith key show fleet.key       which keys it holds, without giving them away)";
 
 int show(const std::string& file) {
   const auto keys = read_fleet_keys(file);
   if (!keys.ok()) return fail(keys.error());
-  print_hints(*keys);
+  std::printf("key %s\n", keys_text(*keys).c_str());
   return 0;
 }
 
@@ -64,6 +63,8 @@ void add_key_command(CLI::App& app, int& exit_code) {
       [](const std::string& f) { return change(f, create_fleet_key); });
   add("rotate", "a new key in front of the present one",
       [](const std::string& f) { return change(f, rotate_fleet_key); });
+  add("swap", "of two keys the other one seals from now on; both open",
+      [](const std::string& f) { return change(f, swap_fleet_keys); });
   add("show", "two bytes by which keys can be told apart", show);
 }
 

@@ -9,6 +9,7 @@
 #include "platform/daemon/config_text.h"
 #include "platform/daemon/daemon.h"
 #include "platform/daemon/version.h"
+#include "platform/link/fleet_key.h"
 #include "platform/linux/cpu.h"
 #include "platform/linux/local_socket.h"
 #include "platform/linux/realtime.h"
@@ -36,8 +37,8 @@ A first file:
 Without a robot: zenithd-sim --config config/simulated.toml is the same program with a simulated
 camera and CAN bus.
 
-Signals: SIGHUP reads the file again and takes over what may change while running; a file with a
-mistake changes nothing and the log says what is wrong. SIGTERM and SIGINT end the program within
+Signals: SIGHUP reads the file again and takes over what may change while running, and the fleet's
+key; a file with a mistake changes nothing and the log says what is wrong. SIGTERM and SIGINT end the program within
 a second.
 
 It tells how it is on standard error (journald's levels when started by systemd), on LEDs, and on
@@ -107,6 +108,22 @@ void print_limits(const RealtimeConfig& realtime) {
   }
 }
 
+// False, and said, when there is a key file that cannot be used: the radio would stay off.
+bool print_fleet_key(const RadioConfig& radio) {
+  if (!radio.enabled || radio.key_file.empty()) {
+    std::printf("fleet key: none, the radio is off: %s\n",
+                radio.enabled ? "radio.key_file names no key" : "radio.enabled is false");
+    return true;
+  }
+  const auto keys = read_fleet_keys(radio.key_file);
+  if (!keys) {
+    std::fprintf(stderr, "%s\n", keys.error().message.c_str());
+    return false;
+  }
+  std::printf("fleet key: %s, from %s\n", keys_text(*keys).c_str(), radio.key_file.c_str());
+  return true;
+}
+
 int check(const DaemonConfig& config, MakeDevices make_devices) {
   const auto devices = make_devices(config);
   if (!devices) {
@@ -124,6 +141,7 @@ int check(const DaemonConfig& config, MakeDevices make_devices) {
   print_limits(config.realtime);
   std::printf("telemetry: %s\n",
               config.telemetry.enabled ? runtime_path(config.telemetry.socket).c_str() : "none");
+  if (!print_fleet_key(config.radio)) return 2;
   std::printf("The configuration is good. Devices were not opened.\n");
   return 0;
 }

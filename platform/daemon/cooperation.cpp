@@ -1,5 +1,7 @@
 #include "platform/daemon/cooperation.h"
 
+#include <memory>
+
 #include "platform/daemon/radio_link.h"
 #include "platform/linux/clock.h"
 
@@ -41,12 +43,18 @@ void Cooperation::run(const std::atomic<bool>& stop) {
 void Cooperation::turn_once(Time now) {
   send_own();
   if (link_ == nullptr) return;
+  take_keys();
   link_->turn(now, health_of(light_.load(kRelaxed)));
   received_.store(link_->records_received(), kRelaxed);
   if (now < next_status_) return;
   next_status_ = now + kStatusPeriod;
   link_->write_status(told_, now);
   status_.write(told_);
+}
+
+void Cooperation::take_keys() {
+  const std::unique_ptr<FleetKeys> keys(new_keys_.exchange(nullptr));
+  if (keys != nullptr) link_->set_keys(*keys);
 }
 
 void Cooperation::send_own() {

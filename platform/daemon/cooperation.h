@@ -9,6 +9,7 @@
 #include "platform/base/time.h"
 #include "platform/daemon/exchange.h"
 #include "platform/daemon/link_status.h"
+#include "platform/link/fleet_key.h"
 #include "platform/linux/snapshot.h"
 
 namespace zenith {
@@ -25,6 +26,9 @@ class Cooperation {
  public:
   // `link` may be nullptr: a robot that works alone. Both must outlive it.
   Cooperation(Exchange& exchange, RadioLink* link) : exchange_(exchange), link_(link) {}
+  ~Cooperation() { delete new_keys_.load(); }
+  Cooperation(const Cooperation&) = delete;
+  Cooperation& operator=(const Cooperation&) = delete;
 
   // The thread's body. At its end peers hear that this robot leaves.
   void run(const std::atomic<bool>& stop);
@@ -37,11 +41,14 @@ class Cooperation {
   CooperationCounters counters() const;
   // How the robot is, for peers to know.
   void set_light(RobotLight light) { light_.store(light, std::memory_order_relaxed); }
+  // The next turn takes them. Without a link they have no use.
+  void set_keys(const FleetKeys& keys) { delete new_keys_.exchange(new FleetKeys(keys)); }
   // False as long as there is nothing to tell.
   bool read(LinkStatus& out) const { return status_.read(out); }
 
  private:
   void send_own();
+  void take_keys();
 
   Exchange& exchange_;
   RadioLink* link_;
@@ -49,6 +56,7 @@ class Cooperation {
   LinkStatus told_;
   Snapshot<LinkStatus> status_;
   std::atomic<RobotLight> light_ = RobotLight::kStarting;
+  std::atomic<FleetKeys*> new_keys_ = nullptr;  // owned by whoever takes it out
   std::atomic<std::uint64_t> sent_ = 0;
   std::atomic<std::uint64_t> unheard_ = 0;
   std::atomic<std::uint64_t> received_ = 0;

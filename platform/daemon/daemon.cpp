@@ -121,8 +121,7 @@ std::unique_ptr<RadioLink> make_radio_link(const DaemonConfig& config, Exchange&
     log_line(LogLevel::kError, "radio off: no key that could be used; this robot maps alone");
     return nullptr;
   }
-  log_line(LogLevel::kInfo, "radio: fleet key %s%s", hint_text(key_hint(keys->current)).c_str(),
-           keys->has_previous ? ", and the one before it" : "");
+  log_line(LogLevel::kInfo, "radio: fleet key %s", keys_text(*keys).c_str());
   SessionSettings sessions;
   sessions.keys = *keys;
   sessions.name.assign(config.name);

@@ -231,7 +231,26 @@ void Housekeeping::reload(Time now) {
       log_line(LogLevel::kWarning, "changed, but needs a restart: %s", join(waiting).c_str());
     }
   }
+  reload_keys();
   note_manager(notify_.ready());
+}
+
+// From the file that is in use: another one waits for a restart, as all that is not live.
+void Housekeeping::reload_keys() {
+  if (!config_.radio.enabled || config_.radio.key_file.empty()) return;
+  const auto keys = read_fleet_keys(config_.radio.key_file);
+  if (!keys) {
+    log_line(LogLevel::kError, "%s",
+             cooperation_.has_link() ? "the fleet key stays as it was; its file is wrong:"
+                                     : "the radio stays off; the file of its key is wrong:");
+    log_lines(LogLevel::kError, keys.error().message);
+  } else if (!cooperation_.has_link()) {
+    log_line(LogLevel::kWarning,
+             "the file of the fleet key is right now: a restart turns the radio on");
+  } else {
+    cooperation_.set_keys(*keys);
+    log_line(LogLevel::kNotice, "fleet key read again: %s", keys_text(*keys).c_str());
+  }
 }
 
 void Housekeeping::finish(Time now) {

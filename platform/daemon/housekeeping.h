@@ -30,7 +30,7 @@ class Housekeeping {
   // Telemetry and lights. What does not work is logged; the daemon goes on.
   void start(Time now);
   void tick(Time now);
-  // SIGHUP. A file that is wrong changes nothing.
+  // SIGHUP: the configuration and the fleet's key. Of either, a file that is wrong changes nothing.
   void reload(Time now);
   // Lights off, the account of the run into the log.
   void finish(Time now);
@@ -49,6 +49,7 @@ class Housekeeping {
   void feed_watchdog(Time now);
   void tell_status(Time now);
   void note_manager(const Status& told);
+  void reload_keys();
 
   DaemonConfig config_;
   const std::filesystem::path file_;

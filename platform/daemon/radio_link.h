@@ -29,6 +29,8 @@ class RadioLink final : private exchange::RecordSink {
 
   // A landmark of this robot. False when it cannot be told.
   bool send_own(const LandmarkRecord& record) { return peers_.synchroniser().set_own(record); }
+  // Other keys from now on; see Sessions::set_keys().
+  void set_keys(const FleetKeys& keys) { peers_.sessions().set_keys(keys); }
   // All that is due; does not wait.
   void turn(Time now, exchange::Health health);
   // Until there is something to do, at most kSlice.

@@ -9,6 +9,7 @@
 #include <cassert>
 #include <cerrno>
 #include <string_view>
+#include <utility>
 
 #include "platform/linux/errno_text.h"
 #include "platform/linux/unique_fd.h"
@@ -146,7 +147,7 @@ void compose(SecretText& text, const FleetKeys& keys) {
   text.append("\n# All robots of a fleet have this file. Who has it may change their maps.\n");
   append_key(text, keys.current);
   if (!keys.has_previous) return;
-  text.append("# The key before it: what is sealed with it is still opened.\n");
+  text.append("# Another one, which only opens.\n");
   append_key(text, keys.previous);
 }
 
@@ -216,6 +217,12 @@ std::string hint_text(const KeyHint& hint) {
   return text;
 }
 
+std::string keys_text(const FleetKeys& keys) {
+  std::string text = hint_text(key_hint(keys.current));
+  if (keys.has_previous) text += "; " + hint_text(key_hint(keys.previous)) + " only opens";
+  return text;
+}
+
 Result<FleetKeys> read_fleet_keys(const fs::path& file) {
   SecretText text;
   struct stat info = {};
@@ -233,26 +240,49 @@ Status create_fleet_key(const fs::path& file) {
   return write_text(file, text, O_EXCL, nullptr);
 }
 
-Status rotate_fleet_key(const fs::path& file) {
+namespace {
+
+// The file is replaced as a whole by what `change` makes of its keys.
+template <typename Change>
+Status change_file(const fs::path& file, Change change) {
   SecretText old_text;
   struct stat info = {};
   if (const Status read = read_text(file, old_text, info); !read) return read;
   FleetKeys keys;
   if (const Status parsed = parse(file, old_text.view(), keys); !parsed) return parsed;
-  keys.previous = keys.current;
-  keys.has_previous = true;
-  // Hints that differ tell at once which of the two a datagram is sealed with.
-  while (key_hint(keys.current) == key_hint(keys.previous)) keys.current = SecretKey::random();
+  if (const Status changed = change(keys); !changed) return changed;
   SecretText text;
   compose(text, keys);
   const fs::path next = file.string() + ".new";
-  ::unlink(next.c_str());  // of a rotation that was cut short
+  ::unlink(next.c_str());  // of a change that was cut short
   if (const Status written = write_text(next, text, O_EXCL, &info); !written) {
     ::unlink(next.c_str());
     return written;
   }
   if (::rename(next.c_str(), file.c_str()) != 0) return error_of(file, errno_text(errno));
   return {};
+}
+
+}  // namespace
+
+Status rotate_fleet_key(const fs::path& file) {
+  return change_file(file, [](FleetKeys& keys) {
+    keys.previous = keys.current;
+    keys.has_previous = true;
+    // Hints that differ tell at once which of the two a datagram is sealed with.
+    while (key_hint(keys.current) == key_hint(keys.previous)) keys.current = SecretKey::random();
+    return Status();
+  });
+}
+
+Status swap_fleet_keys(const fs::path& file) {
+  return change_file(file, [&file](FleetKeys& keys) -> Status {
+    if (!keys.has_previous) {
+      return error_of(file, "holds one key; `zenith key rotate` puts a new one in front of it");
+    }
+    std::swap(keys.current, keys.previous);
+    return {};
+  });
 }
 
 }  // namespace zenith

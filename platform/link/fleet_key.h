@@ -1,11 +1,11 @@
 #pragma once
-// What all robots of a fleet share: a secret key, and for the time of a change the one before it.
+// What all robots of a fleet share: a secret key, and for the time of a change a second one.
 //
 // The file, readable by its owner and at most its group:
 //
 //   zenith-fleet-key 1
 //   5Yq0...=                    32 bytes as base64 or 64 hex digits: seals and opens
-//   1fZs...=                    if there: the previous key, which only opens
+//   1fZs...=                    if there: the previous key, or the next one, which only opens
 //
 // Empty lines and lines that begin with # are passed over. Keys are wiped from memory when they are
 // no longer used. For threads without deadlines.
@@ -49,7 +49,7 @@ class SecretKey {
 
 struct FleetKeys {
   SecretKey current;
-  SecretKey previous;
+  SecretKey previous;  // or the next one; it opens, and does not seal
   bool has_previous = false;
 };
 
@@ -58,6 +58,8 @@ using KeyHint = std::array<std::uint8_t, 2>;
 // Tells keys apart without giving them away.
 KeyHint key_hint(const SecretKey& fleet_key);
 std::string hint_text(const KeyHint& hint);  // "3fa0"
+// "3fa0; 77b1 only opens"
+std::string keys_text(const FleetKeys& keys);
 
 // An error names the file, what is wrong with it, and the command that mends it.
 Result<FleetKeys> read_fleet_keys(const std::filesystem::path& file);
@@ -68,5 +70,9 @@ Status create_fleet_key(const std::filesystem::path& file);
 // A new key in front of the present one. The file is replaced as a whole, with the same owner and
 // rights.
 Status rotate_fleet_key(const std::filesystem::path& file);
+
+// Of two keys the one that only opened seals from now on, and the other way round. The file is
+// replaced likewise.
+Status swap_fleet_keys(const std::filesystem::path& file);
 
 }  // namespace zenith

@@ -17,15 +17,25 @@ constexpr Duration kGivesWay = {15'000'000'000};
 }  // namespace
 
 Sessions::Sessions(const SessionSettings& settings)
-    : fleet_keys_{settings.keys.current, settings.keys.previous},
-      hints_{key_hint(settings.keys.current), key_hint(settings.keys.previous)},
-      key_count_(settings.keys.has_previous ? 2 : 1),
-      own_{robot_id(settings.name.view()), settings.boot},
+    : own_{robot_id(settings.name.view()), settings.boot},
       name_(settings.name),
-      own_key_(sender_key(settings.keys.current, own_)),
       forget_after_(std::max(settings.forget_after, kGivesWay)),
       handshake_(settings.secret) {
   prepare_cryptography();
+  set_keys(settings.keys);
+}
+
+// The counter goes on: with whichever key, none is used twice.
+void Sessions::set_keys(const FleetKeys& keys) {
+  fleet_keys_ = {keys.current, keys.previous};
+  hints_ = {key_hint(keys.current), key_hint(keys.previous)};
+  key_count_ = keys.has_previous ? 2 : 1;
+  own_key_ = sender_key(keys.current, own_);
+  for (std::size_t i = 0; i < sessions_.size(); ++i) {
+    if (!used_[i]) continue;
+    guards_[i].fleet_key = 0;
+    guards_[i].key = sender_key(keys.current, ids_[i]);
+  }
 }
 
 bool Sessions::reject(Rejected reason) {
@@ -79,14 +89,19 @@ bool Sessions::receive(Time now, const Endpoint& from, Bytes datagram,
 }
 
 bool Sessions::unseal(int slot, const FrameHeader& header, Bytes datagram,
-                      std::span<std::uint8_t> payload, std::size_t& bytes) const {
+                      std::span<std::uint8_t> payload, std::size_t& bytes) {
   const int fleet_key = fleet_key_of(header.key_hint);
-  if (slot >= 0) {
-    const Guard& guard = guards_[static_cast<std::size_t>(slot)];
-    if (guard.fleet_key == fleet_key) return open(guard.key, datagram, payload, bytes);
+  Guard* guard = slot >= 0 ? &guards_[static_cast<std::size_t>(slot)] : nullptr;
+  if (guard != nullptr && guard->fleet_key == fleet_key) {
+    return open(guard->key, datagram, payload, bytes);
   }
   const SecretKey key = sender_key(fleet_keys_[static_cast<std::size_t>(fleet_key)], header.sender);
-  return open(key, datagram, payload, bytes);
+  if (!open(key, datagram, payload, bytes)) return false;
+  if (guard != nullptr) {  // the peer changed its key
+    guard->fleet_key = fleet_key;
+    guard->key = key;
+  }
+  return true;
 }
 
 bool Sessions::note_version(const FrameHeader& header, const Endpoint& from) {

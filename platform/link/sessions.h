@@ -57,6 +57,10 @@ class Sessions {
 
   const SenderId& own() const { return own_; }
 
+  // Other keys of the fleet from now on. Whoever is a peer stays one, and is heard when it seals
+  // with one of them.
+  void set_keys(const FleetKeys& keys);
+
   // False when there is nothing more to do with it: rejected and counted, or an answer was queued.
   // `payload` has kMaxPayloadBytes.
   bool receive(Time now, const Endpoint& from, exchange::Bytes datagram,
@@ -88,9 +92,9 @@ class Sessions {
   const LinkCounters& counters() const { return counters_; }
 
  private:
-  struct Guard {  // what a session's datagrams are held against
-    SecretKey key;
-    int fleet_key = 0;
+  struct Guard {        // what a session's datagrams are held against
+    SecretKey key;      // of the sender
+    int fleet_key = 0;  // from which it was derived
     ReplayWindow window;
   };
 
@@ -98,7 +102,7 @@ class Sessions {
   int fleet_key_of(const KeyHint& hint) const;
   int find(const SenderId& id) const;
   bool unseal(int slot, const FrameHeader& header, exchange::Bytes datagram,
-              std::span<std::uint8_t> payload, std::size_t& bytes) const;
+              std::span<std::uint8_t> payload, std::size_t& bytes);
   bool note_version(const FrameHeader& header, const Endpoint& from);
   bool greet(Time now, const Endpoint& from, const FrameHeader& header, exchange::Bytes payload,
              std::size_t datagram_bytes);

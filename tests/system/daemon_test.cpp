@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "platform/link/fleet_key.h"
 #include "tests/support/figure.h"
 #include "tests/support/line_reader.h"
 #include "tests/system/process.h"
@@ -217,6 +218,48 @@ TEST_F(DaemonTest, ChecksAFileAndSaysWhatItWouldDo) {
   configure("[camera]\n");  // a section twice
   EXPECT_EQ(run({ZENITHD_SIM, "--config", file_}, said), 2);
   EXPECT_THAT(said, HasSubstr("zenith.toml:9: "));
+}
+
+// The key that the radio would use, by --check, at the start and at SIGHUP.
+TEST_F(DaemonTest, ReadsTheFleetKeyAgain) {
+  const std::string radio = "[radio]\nkey_file = \"fleet.key\"\ninterface = \"lo\"\nown_port = 0\n";
+  const fs::path key_file = folder_.path() / "fleet.key";
+  std::string said;
+  configure("");
+  EXPECT_EQ(run({ZENITHD_SIM, "--config", file_, "--check"}, said), 0);
+  EXPECT_THAT(said, HasSubstr("fleet key: none, the radio is off: radio.key_file names no key"));
+  configure(radio);
+  EXPECT_EQ(run({ZENITHD_SIM, "--config", file_, "--check"}, said), 2);
+  EXPECT_THAT(said, AllOf(HasSubstr("No such file"), HasSubstr("zenith key new")));
+  ASSERT_TRUE(create_fleet_key(key_file).ok());
+  fs::permissions(key_file, fs::perms(0644));
+  EXPECT_EQ(run({ZENITHD_SIM, "--config", file_, "--check"}, said), 2);
+  EXPECT_THAT(said, HasSubstr("chmod 640"));
+  fs::permissions(key_file, fs::perms(0600));
+  const std::string first = keys_text(*read_fleet_keys(key_file));
+  EXPECT_EQ(run({ZENITHD_SIM, "--config", file_, "--check"}, said), 0);
+  EXPECT_THAT(said, HasSubstr("fleet key: " + first + ", from " + key_file.string()));
+
+  NotifySocket manager(notify_);
+  Process daemon({ZENITHD_SIM, "--config", file_}, output_, errors_, {{"NOTIFY_SOCKET", notify_}});
+  ASSERT_TRUE(manager.heard("READY=1", kLimit_s)) << read_text(errors_);
+  EXPECT_TRUE(logged("radio: fleet key " + first));
+  fs::permissions(key_file, fs::perms(0644));
+  daemon.send(SIGHUP);
+  ASSERT_TRUE(manager.heard("READY=1", kLimit_s));
+  EXPECT_TRUE(logged("the fleet key stays as it was; its file is wrong:"));
+  EXPECT_TRUE(logged("chmod 640"));
+  fs::permissions(key_file, fs::perms(0600));
+  ASSERT_TRUE(rotate_fleet_key(key_file).ok());
+  configure(radio + "[slam]\nparticels = 3\n");  // one wrong file does not hold up the other
+  daemon.send(SIGHUP);
+  ASSERT_TRUE(manager.heard("READY=1", kLimit_s));
+  EXPECT_TRUE(logged("the configuration stays as it was"));
+  const std::string second = keys_text(*read_fleet_keys(key_file));
+  EXPECT_THAT(second, HasSubstr("; " + first + " only opens"));
+  EXPECT_TRUE(logged("fleet key read again: " + second));
+  daemon.send(SIGTERM);
+  EXPECT_EQ(daemon.wait(kLimit_s), 0) << read_text(errors_);
 }
 
 TEST_F(DaemonTest, ExplainsItself) {

@@ -18,9 +18,7 @@ Finding check_fleet_key(const RadioConfig& radio) {
   }
   const auto keys = read_fleet_keys(file);
   if (!keys) return fail(what, keys.error().message, "", "zenith key --help");
-  std::string found = file + ", key " + hint_text(key_hint(keys->current));
-  if (keys->has_previous) found += ", before it " + hint_text(key_hint(keys->previous));
-  return ok(what, found + "; it must be the same on all robots");
+  return ok(what, file + ", key " + keys_text(*keys) + "; it must be the same on all robots");
 }
 
 Finding check_network(const std::vector<Interface>& usable, const std::string& wanted) {

@@ -158,6 +158,18 @@ TEST_F(RadioLinkTest, LosesNothingThatPerceptionHasNoRoomFor) {
       << bert.records;
 }
 
+TEST_F(RadioLinkTest, TakesANewKeyWhileItRuns) {
+  Robot ada("ada", 1);
+  Robot bert("bert", 2);
+  const auto heard = [&] { return ada.records > 0 && bert.records > 0; };
+  ada.exchange->own.push(landmark(1));
+  bert.exchange->own.push(landmark(1));
+  EXPECT_FALSE(run_until(ada, bert, heard, 3.0));
+  ada.cooperation->set_keys(session_settings("", 7).keys);  // replaced before it is taken
+  ada.cooperation->set_keys(session_settings("", 2).keys);
+  EXPECT_TRUE(run_until(ada, bert, heard));
+}
+
 TEST_F(RadioLinkTest, AnotherFleetIsNotHeard) {
   Robot ada("ada", 1);
   Robot zoe("zoe", 2);

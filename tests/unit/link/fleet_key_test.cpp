@@ -146,6 +146,24 @@ TEST_F(FleetKeyTest, RotatesAndKeepsRights) {
   EXPECT_EQ(tools::entries(folder_.path()), 1u);
 }
 
+TEST_F(FleetKeyTest, SwapsTwoKeys) {
+  ASSERT_TRUE(create_fleet_key(file_).ok());
+  const Status single = swap_fleet_keys(file_);
+  ASSERT_FALSE(single.ok());
+  EXPECT_THAT(single.error().message, HasSubstr("holds one key"));
+  ASSERT_TRUE(rotate_fleet_key(file_).ok());
+  const auto before = read_fleet_keys(file_);
+  ASSERT_TRUE(swap_fleet_keys(file_).ok());
+  const auto after = read_fleet_keys(file_);
+  ASSERT_TRUE(before.ok() && after.ok());
+  EXPECT_TRUE(after->has_previous);
+  EXPECT_TRUE(after->current == before->previous);
+  EXPECT_TRUE(after->previous == before->current);
+  const std::string hints = hint_text(key_hint(after->current)) + "; " +
+                            hint_text(key_hint(after->previous)) + " only opens";
+  EXPECT_EQ(keys_text(*after), hints);
+}
+
 TEST_F(FleetKeyTest, AWrongFileIsNotRotated) {
   write("zenith-fleet-key 1\nnonsense\n");
   EXPECT_FALSE(rotate_fleet_key(file_).ok());

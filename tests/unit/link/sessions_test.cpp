@@ -261,6 +261,46 @@ TEST(Sessions, TwoKeysHoldWhileTheyChange) {
   EXPECT_EQ(ada.sessions.find_peer(dora.sessions.own().robot), -1) << "dora cannot read ada's";
 }
 
+// Two robots that run get a new key: first both learn it, then both use it, then the old one ends.
+TEST(Sessions, KeysChangeWhileTheyRun) {
+  TestRobot ada("ada", 1, 1);
+  TestRobot bert("bert", 2, 2);
+  verify(ada, bert, at(0));
+  verify(bert, ada, at(0));
+  const auto both_hear = [&](double s) {
+    return ada.hear(at(s), bert.address, bert.hello()) &&
+           bert.hear(at(s), ada.address, ada.hello());
+  };
+  ASSERT_TRUE(both_hear(1));
+  const FleetKeys learn = {key_of(1), key_of(2), true};
+  const FleetKeys use = {key_of(2), key_of(1), true};
+  const FleetKeys end = {key_of(2), {}, false};
+  double s = 2;
+  for (const FleetKeys& keys : {learn, use, end}) {
+    for (TestRobot* robot : {&ada, &bert}) {
+      robot->sessions.set_keys(keys);
+      EXPECT_TRUE(both_hear(s += 1));
+      EXPECT_TRUE(both_hear(s += 1));
+    }
+  }
+  const FleetKeys other = {key_of(4), {}, false};  // all at once
+  for (TestRobot* robot : {&ada, &bert}) robot->sessions.set_keys(other);
+  EXPECT_TRUE(both_hear(s += 1));
+  EXPECT_EQ(ada.sessions.counters().verified, 1u) << "not challenged anew";
+  EXPECT_EQ(ada.all_rejected(), 1u) << "the first HELLO alone";
+  // Whoever has the old key alone is a stranger now.
+  TestRobot carl("carl", 3, 3);
+  EXPECT_FALSE(ada.hear(at(s), carl.address, carl.hello()));
+  EXPECT_EQ(ada.rejected(Rejected::kOtherKey), 1u);
+  // What was sealed before and comes late, or again, counts as what it is.
+  TestRobot dora("dora", 4, 4);
+  const Datagram old = dora.hello();
+  dora.sessions.set_keys(other);
+  verify(ada, dora, at(s));
+  EXPECT_FALSE(ada.hear(at(s), dora.address, old));
+  EXPECT_EQ(ada.rejected(Rejected::kOtherKey), 2u);
+}
+
 TEST(Sessions, OwnDatagramsComeBackFromTheGroup) {
   TestRobot ada("ada", 1, 1);
   EXPECT_FALSE(ada.hear(at(0), ada.address, ada.hello()));

@@ -407,7 +407,7 @@ TEST_F(DoctorTest, TheFleetsKey) {
   ASSERT_TRUE(create_fleet_key(file).ok());
   EXPECT_THAT(check_fleet_key(radio), Says(Verdict::kOk, "key "));
   ASSERT_TRUE(rotate_fleet_key(file).ok());
-  EXPECT_THAT(check_fleet_key(radio), Says(Verdict::kOk, "before it "));
+  EXPECT_THAT(check_fleet_key(radio), Says(Verdict::kOk, " only opens"));
   fs::permissions(file, fs::perms::others_read, fs::perm_options::add);
   EXPECT_THAT(check_fleet_key(radio), Says(Verdict::kFail, "chmod"));
   fs::remove(file);
