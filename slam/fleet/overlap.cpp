@@ -5,74 +5,43 @@
 #include <cmath>
 
 #include "slam/geometry.h"
+#include "slam/kernels/match/match.h"
 
 namespace zenith {
 namespace {
 
-// Twice as wide, so that products add up in 32 bits two at a time on every instruction set.
-using WidePatch = std::array<std::int16_t, kCompactLength>;
-
-WidePatch widen(const CompactPatch& patch) {
-  WidePatch wide;
-  std::copy(patch.values.begin(), patch.values.end(), wide.begin());
-  return wide;
-}
-
-int dot(const WidePatch& a, const WidePatch& b) {
-  int sum = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) sum += int{a[i]} * int{b[i]};
-  return sum;
-}
-
-// All looks of one landmark.
-struct WideLooks {
-  explicit WideLooks(const PeerLandmark& l) {
-    for (int i = 0; i < l.appearance_count; ++i) {
-      const auto k = static_cast<std::size_t>(i);
-      patches[k] = widen(l.appearances[k].compact);
-    }
-  }
-  std::array<WidePatch, kPublishedAppearances> patches;
-};
+static_assert(kMaxCorners <= kMaxQueries);
 
 // One observed landmark on its way through the peer's map.
 class Seeker {
  public:
-  void begin(const Observed& own, const OverlapSettings& settings) {
+  void begin(const Observed& own) {
     own_ = &own;
-    wide_ = widen(own.compact);
-    tolerance_m_ = settings.height_tolerance_m;
     best_.clear();
     similar_ = 0;
   }
 
-  bool may_be_at(const PeerLandmark& l) const { return heights_agree(*own_, l, tolerance_m_); }
-
-  void meet(int slot, const PeerLandmark& l, const WideLooks& looks, float ncc_min) {
-    float ncc = -1.0F;
-    float direction_rad = 0.0F;
-    for (int i = 0; i < l.appearance_count; ++i) {
-      const auto k = static_cast<std::size_t>(i);
-      const float similarity = static_cast<float>(dot(looks.patches[k], wide_)) *
-                               l.appearances[k].compact.inverse_norm * own_->compact.inverse_norm;
-      if (similarity <= ncc) continue;
-      ncc = similarity;
-      direction_rad = l.appearances[k].direction_rad;
-    }
-    if (ncc < ncc_min) return;
+  // `appearance` of landmark `slot` is similar. This is asked often: only what is kept costs more.
+  void meet(int slot, const PeerAppearance& appearance, float ncc) {
     ++similar_;
-    const auto heading =
-        static_cast<float>(wrap_angle(static_cast<double>(direction_rad - own_->orientation_rad)));
-    const OverlapMatch match = {-1, slot, ncc, heading, 0.0F};
-    if (best_.push_back(match)) return;
-    auto* worst = std::min_element(best_.begin(), best_.end(),
-                                   [](const auto& a, const auto& b) { return a.ncc < b.ncc; });
-    if (worst->ncc < match.ncc) *worst = match;
+    const bool full = best_.full();
+    if (full && ncc <= best_[worst_].ncc) return;
+    const OverlapMatch match = {-1, slot, ncc, appearance.direction_rad, 0.0F};
+    if (full) {
+      best_[worst_] = match;
+    } else {
+      best_.push_back(match);
+    }
+    const auto* worst = std::min_element(
+        best_.begin(), best_.end(), [](const auto& a, const auto& b) { return a.ncc < b.ncc; });
+    worst_ = static_cast<std::size_t>(worst - best_.begin());
   }
 
   void tell(int observed, OverlapMatches& out) const {
     for (OverlapMatch match : best_) {
       match.observed = observed;
+      match.heading_rad = static_cast<float>(
+          wrap_angle(static_cast<double>(match.heading_rad - own_->orientation_rad)));
       match.weight = 1.0F / std::sqrt(static_cast<float>(similar_));
       out.push_back(match);
     }
@@ -80,9 +49,8 @@ class Seeker {
 
  private:
   const Observed* own_ = nullptr;
-  WidePatch wide_;
-  double tolerance_m_ = 0.0;
   FixedVector<OverlapMatch, kMatchesPerObserved> best_;
+  std::size_t worst_ = 0;
   int similar_ = 0;
 };
 
@@ -99,14 +67,27 @@ bool heights_agree(const Observed& own, const PeerLandmark& peer, double toleran
 void find_overlap(const ObservedFrame& frame, const PeerMap& peer, const OverlapSettings& settings,
                   OverlapMatches& out) {
   out.clear();
+  const MatchKernels<kCompactLength>& match = match_in_use().compact;
+  MatchQueries<kCompactLength> queries;
   std::array<Seeker, kMaxCorners> seekers;
-  for (std::size_t i = 0; i < frame.size(); ++i) seekers[i].begin(frame[i], settings);
+  for (std::size_t i = 0; i < frame.size(); ++i) {
+    match.pack(queries, frame[i].compact.values.data(), frame[i].compact.inverse_norm);
+    seekers[i].begin(frame[i]);
+  }
+  std::array<LookFound, kMaxCorners> found;
   for (int slot = 0; slot < peer.size(); ++slot) {
     const PeerLandmark& l = peer[slot];
     if (!l.present) continue;
-    const WideLooks looks(l);
-    for (std::size_t i = 0; i < frame.size(); ++i) {
-      if (seekers[i].may_be_at(l)) seekers[i].meet(slot, l, looks, settings.ncc_min);
+    const CompactPatch& first = l.appearances[0].compact;
+    const Looks looks = {first.values.data(), &first.inverse_norm, sizeof(PeerAppearance),
+                         l.appearance_count};
+    // Looks first: few of them agree, and heights are asked of those alone.
+    const int count = match.best_of(queries, looks, settings.ncc_min, found.data());
+    for (int k = 0; k < count; ++k) {
+      const LookFound& f = found[static_cast<std::size_t>(k)];
+      const auto i = static_cast<std::size_t>(f.query);
+      if (!heights_agree(frame[i], l, settings.height_tolerance_m)) continue;
+      seekers[i].meet(slot, l.appearances[static_cast<std::size_t>(f.look)], f.ncc);
     }
   }
   for (std::size_t i = 0; i < frame.size(); ++i) seekers[i].tell(static_cast<int>(i), out);

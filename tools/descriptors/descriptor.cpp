@@ -87,7 +87,8 @@ Descriptor sent(const Descriptor& descriptor) {
 }
 
 float similarity(const Descriptor& a, const Descriptor& b) {
-  const int dot = dot_i8(a.values.data(), b.values.data(), static_cast<int>(a.values.size()));
+  int dot = 0;
+  for (std::size_t i = 0; i < a.values.size(); ++i) dot += int{a.values[i]} * int{b.values[i]};
   return static_cast<float>(dot) * a.inverse_norm * b.inverse_norm;
 }
 
