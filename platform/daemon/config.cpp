@@ -184,7 +184,7 @@ Settings radio_settings(RadioConfig& radio) {
       {"radio.news_rate", "byte/s", 1000, 1e7, "of this, for changes of landmarks that peers know",
        &radio.news_rate},
       {"radio.forget_after_s", "s", 15, 86400,
-       "a robot that was silent for so long is asked again who it is; its map stays",
+       "a robot silent for so long counts as gone until it is heard again; its map stays",
        &radio.forget_after_s},
   };
 }

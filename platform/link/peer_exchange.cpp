@@ -1,5 +1,7 @@
 #include "platform/link/peer_exchange.h"
 
+#include <algorithm>
+
 namespace zenith {
 namespace {
 
@@ -31,11 +33,11 @@ void PeerExchange::receive(Time now, const Endpoint& from, exchange::Bytes datag
   std::array<std::uint8_t, kMaxPayloadBytes> payload;
   Fresh fresh;
   const bool is_fresh = sessions_.receive(now, from, datagram, payload, fresh);
-  if (is_fresh) {
-    note_verdict(now, fresh.session,
-                 synchroniser_.receive(now, fresh.session, fresh.counter, fresh.payload, sink));
-  }
   if (sessions_.changes() != changes_seen_) reconcile(now);
+  // Whoever said goodbye is no peer any more.
+  if (!is_fresh || joined_[static_cast<std::size_t>(fresh.session)] == SenderId{}) return;
+  note_verdict(now, fresh.session,
+               synchroniser_.receive(now, fresh.session, fresh.counter, fresh.payload, sink));
 }
 
 void PeerExchange::note_verdict(Time now, int session, exchange::Verdict verdict) {
@@ -92,7 +94,9 @@ Dispatch PeerExchange::next(Time now, std::span<std::uint8_t> out) {
 }
 
 Time PeerExchange::next_time(Time now) const {
-  return synchroniser_.next_time(now);
+  const Time next = synchroniser_.next_time(now);
+  if (!sessions_.has_answer()) return next;
+  return std::min(next, synchroniser_.when_spent(now, kAnswerPayloadBytes));
 }
 
 void PeerExchange::forget_silent(Time now) {

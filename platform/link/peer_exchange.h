@@ -41,12 +41,13 @@ class PeerExchange {
   Dispatch next(Time now, std::span<std::uint8_t> out);
   // When next() will have something, if nothing else is called before; never before `now`.
   Time next_time(Time now) const;
-  // Some once a second.
+  // Once a second.
   void forget_silent(Time now);
 
   // The own map and state; peers' states. Not its join(), leave(), receive() and next().
   exchange::Synchroniser& synchroniser() { return synchroniser_; }
   const exchange::Synchroniser& synchroniser() const { return synchroniser_; }
+  std::size_t memory_bytes() const { return sizeof *this + memory_.span().size(); }
   Sessions& sessions() { return sessions_; }
   const Sessions& sessions() const { return sessions_; }
 

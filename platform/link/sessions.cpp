@@ -58,8 +58,13 @@ int Sessions::find(const SenderId& id) const {
 }
 
 int Sessions::find_peer(std::uint64_t robot) const {
+  const int slot = find_newest(robot);
+  return slot >= 0 && sessions_[static_cast<std::size_t>(slot)].is_peer() ? slot : -1;
+}
+
+int Sessions::find_newest(std::uint64_t robot) const {
   for (std::size_t i = 0; i < sessions_.size(); ++i) {
-    if (used_[i] && ids_[i].robot == robot && sessions_[i].is_peer()) return static_cast<int>(i);
+    if (used_[i] && ids_[i].robot == robot && sessions_[i].is_newest()) return static_cast<int>(i);
   }
   return -1;
 }
@@ -144,7 +149,7 @@ void Sessions::admit(Time now, const Endpoint& from, const FrameHeader& header) 
     count_rejected(Rejected::kNoRoom);
     return;
   }
-  const int older = find_peer(header.sender.robot);
+  const int older = find_newest(header.sender.robot);
   const auto s = static_cast<std::size_t>(slot);
   used_[s] = true;
   ids_[s] = header.sender;
@@ -192,6 +197,11 @@ bool Sessions::note_peer(Time now, int slot, const FrameHeader& header, const En
   session.heard = now;
   if (session.is_superseded || session.is_namesake) return note_double(session, now);
   if (session.has_left) return reject(Rejected::kUnverified);
+  if (session.is_silent) {
+    session.is_silent = false;
+    ++changes_;
+    tell(LinkEventKind::kFound, session);
+  }
   Greetings greetings;
   if (!read_greetings(payload, session.id.robot, greetings)) return true;  // a fault: see there
   if (greetings.name && session.name.empty()) {
@@ -252,10 +262,16 @@ std::size_t Sessions::next_answer(Endpoint& to, std::span<std::uint8_t> datagram
 void Sessions::forget_silent(Time now) {
   for (std::size_t i = 0; i < sessions_.size(); ++i) {
     if (!used_[i] || now < sessions_[i].heard + forget_after_) continue;
-    if (sessions_[i].is_peer()) tell(LinkEventKind::kSilent, sessions_[i]);
-    used_[i] = false;
+    const bool is_peer = sessions_[i].is_peer();
+    if (!is_peer && sessions_[i].is_newest()) continue;
     ++changes_;
-    ids_[i] = {};
+    if (is_peer) {
+      tell(LinkEventKind::kSilent, sessions_[i]);
+      sessions_[i].is_silent = true;
+    } else {
+      used_[i] = false;
+      ids_[i] = {};
+    }
   }
 }
 

@@ -34,12 +34,15 @@ struct Session {
   Time verified;
   Time heard;
   bool is_superseded = false;  // a newer boot of this robot was verified
+  bool is_silent = false;      // for too long; heard again, it is a peer as before
   bool is_namesake = false;    // has this robot's own name
   bool has_left = false;       // said BYE; kept so that nothing of it can be repeated
   bool conflict_told = false;
 
   // Takes part in the exchange.
-  bool is_peer() const { return !is_superseded && !is_namesake && !has_left; }
+  bool is_peer() const { return is_newest() && !is_silent; }
+  // Would take part if it were heard.
+  bool is_newest() const { return !is_superseded && !is_namesake && !has_left; }
 };
 
 // A datagram of a verified peer that was not heard before.
@@ -72,7 +75,8 @@ class Sessions {
   // Header and tag around a payload of this robot. `datagram` has kMaxDatagramBytes.
   std::size_t seal(exchange::Bytes payload, std::span<std::uint8_t> datagram);
 
-  // Forgets who was silent for too long; they are verified again when they come back.
+  // Those who were silent for too long are no peers any more. They stay verified, and are peers
+  // again with their next datagram, as long as nobody else needs the room.
   void forget_silent(Time now);
 
   // nullptr: the slot is free.
@@ -108,6 +112,7 @@ class Sessions {
              std::size_t datagram_bytes);
   void admit(Time now, const Endpoint& from, const FrameHeader& header);
   int room_for(Time now) const;
+  int find_newest(std::uint64_t robot) const;
   bool note_peer(Time now, int slot, const FrameHeader& header, const Endpoint& from,
                  exchange::Bytes payload);
   bool note_double(Session& session, Time now);

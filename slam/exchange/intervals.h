@@ -55,6 +55,17 @@ class Intervals {
     return i < size_ && ranges_[i].first <= r.first && ranges_[i].last >= r.last;
   }
 
+  // How many of `within` are missing.
+  std::uint32_t missing(Range within) const {
+    std::uint32_t count = within.last - within.first + 1;
+    for (const Range& r : ranges()) {
+      const std::uint32_t first = std::max(r.first, within.first);
+      const std::uint32_t last = std::min(r.last, within.last);
+      if (first <= last) count -= last - first + 1;
+    }
+    return count;
+  }
+
   // The first part of `within` that is missing; false when nothing is.
   bool first_gap(Range within, Range& gap) const {
     if (within.last < within.first) return false;

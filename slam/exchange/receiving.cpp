@@ -12,6 +12,11 @@ namespace {
 // Gaps close by themselves when datagrams only came in another order.
 constexpr double kNoticeFrom_s = 0.1;
 constexpr double kNoticeTo_s = 0.3;
+// The more hear the same news, the more of them lack something, and the longer each waits with what
+// little it lacks: meanwhile much of it is told anew, or somebody else asks.
+constexpr double kWaitForEach_s = 0.2;
+constexpr double kWaitAtMost_s = 10.0;
+constexpr std::uint32_t kLittle = 64;  // revisions: of a datagram or two
 constexpr Duration kAskAgain = Duration::from_seconds(1.0);
 // Others who lack the same may ask, too.
 constexpr Duration kGather = Duration::from_seconds(0.2);
@@ -91,10 +96,12 @@ Verdict Synchroniser::State::take_state(Time now, int session, std::uint64_t cou
 
   const bool same_map =
       from.slot >= 0 && slots[static_cast<std::size_t>(from.slot)].status.map == state.map;
+  bool quiet = false;
   if (same_map) {
     const PeerStatus& before = slots[static_cast<std::size_t>(from.slot)].status;
     if (from.state_heard && state.head < before.state.head) return Verdict::kInconsistent;
     if (counter > from.highest_counter && state.head < from.highest) return Verdict::kInconsistent;
+    quiet = state.head == before.state.head;
   } else {
     const bool began_before = from.slot >= 0;
     if (began_before && now - from.map_began < kMapLives) return Verdict::kInconsistent;
@@ -113,6 +120,9 @@ Verdict Synchroniser::State::take_state(Time now, int session, std::uint64_t cou
   slot.status.state = state;
   take_alignments(slot);
   look_for_gaps(now, from.slot, sink);
+  if (quiet && slot.asking && !slot.asked) {  // nothing will be told anew
+    slot.due = std::min(slot.due, soon(now));
+  }
   // Records that were sent after this state may have superseded what it tells of.
   if (from.records_counter < counter) compare(now, from.slot);
   return Verdict::kUsed;
@@ -148,7 +158,20 @@ void Synchroniser::State::compare(Time now, int slot) {
   replicas.doubt(slot);
   s.asking = told.head > 0;  // else there is nothing to ask for, and all that is here is too much
   s.asked = false;
-  s.due = now + Duration::from_seconds(random.uniform(kNoticeFrom_s, kNoticeTo_s));
+  s.due = soon(now);
+}
+
+// When to ask for what was just noticed to be missing.
+Time Synchroniser::State::ask_at(Time now, std::uint32_t missing) {
+  if (missing > kLittle) return soon(now);
+  const auto others = std::count_if(sessions.begin(), sessions.end(),
+                                    [](const Session& session) { return session.joined; });
+  const double wait_s = kWaitForEach_s * static_cast<double>(others - 1);
+  return soon(now) + Duration::from_seconds(std::min(wait_s, kWaitAtMost_s));
+}
+
+Time Synchroniser::State::soon(Time now) {
+  return now + Duration::from_seconds(random.uniform(kNoticeFrom_s, kNoticeTo_s));
 }
 
 void Synchroniser::State::look_for_gaps(Time now, int slot, RecordSink& sink) {
@@ -159,11 +182,13 @@ void Synchroniser::State::look_for_gaps(Time now, int slot, RecordSink& sink) {
   if (!replica.had.covers({1, head})) {
     s.agreed = false;
     s.status.complete = false;
-    if (s.asking) return;
+    const std::uint32_t missing = replica.had.missing({1, head});
+    if (s.asking && (s.asked || missing <= kLittle)) return;
+    const Time due = ask_at(now, missing);
+    s.due = s.asking ? std::min(s.due, due) : due;
     s.asking = true;
     s.asked = false;
     s.progress = false;
-    s.due = now + Duration::from_seconds(random.uniform(kNoticeFrom_s, kNoticeTo_s));
     return;
   }
   s.asking = false;

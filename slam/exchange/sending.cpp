@@ -14,8 +14,9 @@ constexpr Duration kAskAgain = Duration::from_seconds(1.0);
 // Most often a datagram was lost; a peer that cannot hear us is asked more seldom.
 constexpr int kPatience = 4;
 constexpr Duration kAskSlowly = Duration::from_seconds(4.0);
-// Requests that are due so soon go along.
+// Requests that are due so soon go along; what was not asked for yet, also earlier.
 constexpr Duration kAskTogether = Duration::from_seconds(0.1);
+constexpr Duration kFirstTogether = Duration::from_seconds(2.0);
 
 using Queue = OwnRecords::Queue;
 
@@ -130,7 +131,7 @@ Outgoing Synchroniser::State::send_requests(Time now, std::span<std::uint8_t> ou
   if (copies > 1) return writer.size() > 0 ? sent(now, to, writer) : Outgoing{};
   for (int i = 0; i < kMaxReplicas; ++i) {
     const Slot& slot = slots[static_cast<std::size_t>(i)];
-    if (!slot.asking || slot.due > now + kAskTogether) continue;
+    if (!slot.asking || slot.due > now + (slot.asked ? kAskTogether : kFirstTogether)) continue;
     if (!append_request(now, i, writer)) break;
     to = kEverybody;
   }
@@ -263,6 +264,10 @@ Outgoing Synchroniser::State::serve(Time now, std::span<std::uint8_t> out) {
 }
 
 // --- when ---------------------------------------------------------------------------------------
+
+Time Synchroniser::when_spent(Time now, std::size_t payload_bytes) const {
+  return state_->all.when(now, state_->cost(payload_bytes, 0));
+}
 
 Time Synchroniser::next_time(Time now) const {
   const State& s = *state_;

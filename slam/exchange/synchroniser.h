@@ -49,6 +49,8 @@ class Synchroniser {
   // Takes a datagram of the caller's own, with so many bytes of payload, from the same budget.
   // False: it must not be sent now.
   bool spend(Time now, std::size_t payload_bytes);
+  // When it may.
+  Time when_spent(Time now, std::size_t payload_bytes) const;
 
   // --- Reading.
   const PeerStatus& peer(int slot) const;  // slot below kMaxReplicas

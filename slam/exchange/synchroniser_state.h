@@ -78,6 +78,8 @@ struct Synchroniser::State {
   void take_request(Time now, Session& from, Bytes body);
   void take_alignments(Slot& slot);
   void compare(Time now, int slot);
+  Time ask_at(Time now, std::uint32_t missing);
+  Time soon(Time now);
   void look_for_gaps(Time now, int slot, RecordSink& sink);
   void sweep(int slot, RecordSink& sink);
   void fault(Time now, int session, RecordSink& sink);

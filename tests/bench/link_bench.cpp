@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "tests/unit/link/link_rig.h"
+#include "tests/support/link_rig.h"
 
 namespace zenith {
 namespace {

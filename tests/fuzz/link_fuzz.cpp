@@ -13,7 +13,7 @@
 
 #include "platform/link/peer_exchange.h"
 #include "tests/fuzz/require.h"
-#include "tests/unit/link/link_rig.h"
+#include "tests/support/link_rig.h"
 
 using namespace zenith;  // NOLINT(google-build-using-namespace)
 

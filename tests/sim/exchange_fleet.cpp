@@ -10,15 +10,7 @@
 namespace zenith::exchange {
 namespace {
 
-constexpr std::size_t kHeader = 32;
-constexpr std::size_t kTag = 16;
-constexpr std::uint64_t kTagEnd = 0x5A4E5A4E5A4E5A4EU;
-
-std::uint64_t hash(Bytes bytes) {
-  std::uint64_t h = 0xcbf29ce484222325U;  // FNV-1a
-  for (const std::uint8_t byte : bytes) h = (h ^ byte) * 0x100000001b3U;
-  return h;
-}
+constexpr Duration kCare = Duration::from_seconds(1.0);
 
 }  // namespace
 
@@ -66,28 +58,25 @@ LandmarkRecord made_up_record(Random& random, std::uint32_t id, int looks) {
   return r;
 }
 
-FleetNode::FleetNode(int number, const Settings& settings)
-    : number_(number), robot_(settings.robot) {
-  restart(settings);
+FleetNode::FleetNode(int number, std::uint64_t seed, const Settings& settings)
+    : number_(number), seed_(seed), boot_(1000 * seed), settings_(settings) {
+  restart(settings.map != 0 ? settings.map : static_cast<std::uint32_t>(10 * (1000 + number)));
 }
 
-void FleetNode::restart(const Settings& settings) {
-  map_ = settings.map;
-  ++boot_;
-  counter_ = 0;
+void FleetNode::restart(std::uint32_t map) {
+  map_ = map;
   own_.clear();
   for (RecordMap& taken : taken_) taken.clear();
-  heard_ = {};
-  sync_ = Synchroniser{};
-  memory_ = std::make_unique<ArenaBlock>([this](Arena& arena) {
-    sync_.layout(arena);
-    memory_bytes_ = arena.used();
-  });
-  sync_.configure(settings);
+  PeerExchangeSettings all;
+  all.sessions = session_settings(name(), ++boot_);
+  all.synchroniser = settings_;
+  all.synchroniser.map = map;
+  all.synchroniser.seed = seed_ + boot_;
+  link_ = std::make_unique<PeerExchange>(all);
 }
 
 void FleetNode::set(const LandmarkRecord& record) {
-  if (!sync_.set_own(record)) return;
+  if (!sync().set_own(record)) return;
   own_[record.id] = as_told(record);
 }
 
@@ -95,100 +84,55 @@ void FleetNode::remove(std::uint32_t id) {
   LandmarkRecord r;
   r.id = id;
   r.removed = true;
-  sync_.set_own(r);
+  sync().set_own(r);
   own_.erase(id);
 }
 
 void FleetNode::begin_anew(std::uint32_t map) {
   map_ = map;
   own_.clear();
-  sync_.reset_own(map);
+  sync().reset_own(map);
 }
 
-int FleetNode::slot_with(std::uint64_t robot, std::uint32_t map) const {
+int FleetNode::slot_of(std::uint64_t robot, std::uint32_t map) const {
   for (int slot = 0; slot < kMaxReplicas; ++slot) {
-    const PeerStatus& status = sync_.peer(slot);
+    const PeerStatus& status = link_->synchroniser().peer(slot);
     if (status.used && status.robot == robot && status.map == map) return slot;
   }
   return -1;
 }
 
-const RecordMap* FleetNode::replica(std::uint64_t robot, std::uint32_t map) {
-  const int slot = slot_with(robot, map);
+const RecordMap* FleetNode::replica(std::uint64_t robot, std::uint32_t map) const {
+  const int slot = slot_of(robot, map);
   return slot < 0 ? nullptr : &taken_[static_cast<std::size_t>(slot)];
 }
 
-bool FleetNode::complete(std::uint64_t robot, std::uint32_t map) {
-  const int slot = slot_with(robot, map);
-  return slot >= 0 && sync_.peer(slot).complete;
-}
-
-bool FleetNode::is_fresh(Heard& heard, std::uint64_t counter) const {
-  if (counter > heard.highest) {
-    const std::uint64_t ahead = counter - heard.highest;
-    heard.window = ahead >= 64 ? 0 : heard.window << ahead;
-    heard.window |= 1;
-    heard.highest = counter;
-    return true;
-  }
-  const std::uint64_t back = heard.highest - counter;
-  if (back >= 64 || (heard.window >> back & 1) != 0) return false;
-  heard.window |= std::uint64_t{1} << back;
-  return true;
+bool FleetNode::complete(const FleetNode& peer) const {
+  const int slot = slot_of(peer);
+  return slot >= 0 && link_->synchroniser().peer(slot).complete;
 }
 
 void FleetNode::receive(Time now, int from, std::span<const std::uint8_t> bytes) {
-  if (!on_ || bytes.size() < kHeader + kTag) return;
-  const Bytes sealed = bytes.first(bytes.size() - kTag);
-  ByteReader tag(bytes.last(kTag));
-  const bool intact = tag.u64() == hash(sealed) && tag.u64() == kTagEnd;
-  if (checks_tags && !intact) {
-    ++damaged_;
-    return;
-  }
-  ByteReader header(sealed);
-  header.u64();
-  const std::uint64_t robot = header.u64();
-  const std::uint64_t boot = header.u64();
-  const std::uint64_t counter = header.u64();
-  const int session = session_of(from);
-  Heard& heard = heard_[static_cast<std::size_t>(session)];
-  if (!heard.joined || heard.boot != boot) {
-    heard = {true, boot, now, 0, 0};
-    sync_.join(now, session, robot);
-  }
-  heard.at = now;
-  if (is_fresh(heard, counter)) {
-    sync_.receive(now, session, counter, sealed.subspan(kHeader), *this);
-  }
+  if (on_) link_->receive(now, address_of(static_cast<std::uint8_t>(from + 1)), bytes, *this);
 }
 
 bool FleetNode::send(Time now, sim::Datagram& out) {
   if (!on_) return false;
-  for (std::size_t i = 0; i < heard_.size(); ++i) {
-    if (!heard_[i].joined || (now - heard_[i].at).seconds() < forget_after_s) continue;
-    heard_[i].joined = false;
-    sync_.leave(now, static_cast<int>(i));
+  if (now >= next_care_) {
+    next_care_ = now + kCare;
+    link_->forget_silent(now);
   }
-  std::array<std::uint8_t, kHeader + kMaxPayload + kTag> room = {};
-  ByteWriter writer(room);
-  writer.u64(0);
-  writer.u64(robot_);
-  writer.u64(boot_);
-  writer.u64(++counter_);
-  const Outgoing o = sync_.next(now, std::span<std::uint8_t>(room).subspan(kHeader, kMaxPayload));
-  if (o.size == 0) return false;
-  const std::size_t sealed = kHeader + o.size;
-  ByteWriter tag(std::span<std::uint8_t>(room).subspan(sealed));
-  tag.u64(hash(Bytes(room).first(sealed)));
-  tag.u64(kTagEnd);
-  out.bytes.assign(room.begin(), room.begin() + static_cast<std::ptrdiff_t>(sealed + kTag));
-  out.to = o.to == kEverybody ? sim::kAllNodes : (o.to < number_ ? o.to : o.to + 1);
+  std::array<std::uint8_t, kMaxDatagramBytes> room;
+  const Dispatch dispatch = link_->next(now, room);
+  if (dispatch.size == 0) return false;
+  out.bytes.assign(room.begin(), room.begin() + static_cast<std::ptrdiff_t>(dispatch.size));
+  out.to = dispatch.to_everybody ? sim::kAllNodes : dispatch.to.address[3] - 1;
+  if (keeps_sent) sent.push_back(out.bytes);
   return true;
 }
 
 Time FleetNode::next_time(Time now) {
-  return on_ ? sync_.next_time(now) : now + Duration::from_seconds(1.0);
+  return on_ ? link_->next_time(now) : now + kCare;
 }
 
 void FleetNode::take(int slot, const LandmarkRecord& record) {
@@ -197,19 +141,10 @@ void FleetNode::take(int slot, const LandmarkRecord& record) {
   if (known.revision < record.revision) known = record;  // as PeerMap does
 }
 
-Settings fleet_settings(int number, std::uint64_t seed, Settings settings) {
-  settings.robot = 1000 + static_cast<std::uint64_t>(number);
-  settings.map = static_cast<std::uint32_t>(10 * settings.robot);
-  settings.seed = seed;
-  settings.name.name.clear();
-  for (const char c : "robot-" + std::to_string(number)) settings.name.name.push_back(c);
-  return settings;
-}
-
 Fleet::Fleet(int robots, std::uint64_t seed, const Settings& settings)
     : network(seed), random(seed, 1) {
   for (int i = 0; i < robots; ++i) {
-    nodes.push_back(std::make_unique<FleetNode>(i, fleet_settings(i, seed, settings)));
+    nodes.push_back(std::make_unique<FleetNode>(i, seed, settings));
     network.add(*nodes.back());
   }
 }
@@ -218,9 +153,8 @@ std::string Fleet::first_difference() {
   for (const auto& owner : nodes) {
     for (const auto& reader : nodes) {
       if (owner == reader) continue;
-      const std::string who =
-          std::to_string(reader->robot()) + " of " + std::to_string(owner->robot()) + ": ";
-      const RecordMap* replica = reader->replica(owner->robot(), owner->map());
+      const std::string who = reader->name() + " of " + owner->name() + ": ";
+      const RecordMap* replica = reader->replica(*owner);
       if (replica == nullptr) return who + "no slot";
       std::size_t present = 0;
       for (const auto& [id, record] : *replica) present += record.removed ? 0 : 1;

@@ -1,15 +1,17 @@
 #pragma once
-// Robots that exchange maps over the simulated network: a Synchroniser each, in a frame that stands
-// for the sealed one (48 bytes, a hash for the tag), and what each took of its peers.
+// Robots that exchange maps over the simulated network, as the daemon does: sealed datagrams of a
+// PeerExchange each, and what each took of its peers.
 
+#include <array>
 #include <map>
 #include <memory>
+#include <string>
 #include <unordered_map>
 #include <vector>
 
+#include "platform/link/peer_exchange.h"
 #include "sim/network.h"
-#include "slam/exchange/synchroniser.h"
-#include "tests/support/arena_block.h"
+#include "tests/support/link_rig.h"
 
 namespace zenith::exchange {
 
@@ -22,31 +24,44 @@ bool same_record(const LandmarkRecord& a, const LandmarkRecord& b);
 // A landmark of the given number of looks somewhere in a hall.
 LandmarkRecord made_up_record(Random& random, std::uint32_t id, int looks = kPublishedAppearances);
 
+// The robot "robot-N", at address_of(N + 1).
 class FleetNode final : public sim::NetworkNode, public RecordSink {
  public:
-  FleetNode(int number, const Settings& settings);
+  // Its map is 10 * (1000 + number) unless the settings have one.
+  FleetNode(int number, std::uint64_t seed, const Settings& settings = {});
 
   // The own robot.
   void set(const LandmarkRecord& record);
   void remove(std::uint32_t id);
   void begin_anew(std::uint32_t map);
   const RecordMap& own() const { return own_; }
-  Synchroniser& sync() { return sync_; }
-  std::size_t memory_bytes() const { return memory_bytes_; }
+  PeerExchange& link() { return *link_; }
+  Synchroniser& sync() { return link_->synchroniser(); }
+  std::string name() const { return "robot-" + std::to_string(number_); }
+  Endpoint address() const { return address_of(static_cast<std::uint8_t>(number_ + 1)); }
+  std::size_t memory_bytes() const { return link_->memory_bytes(); }
   std::uint32_t map() const { return map_; }
-  std::uint64_t robot() const { return robot_; }
-  std::uint64_t damaged() const { return damaged_; }
-  // The program ends and starts again, without its map or its peers.
-  void restart(const Settings& settings);
+  std::uint64_t robot() const { return link_->sessions().own().robot; }
+  std::uint64_t rejected(Rejected reason) const {
+    return link_->sessions().counters().rejected[static_cast<std::size_t>(reason)];
+  }
+  // The program ends and starts again, without its map or its peers; with a boot of its own.
+  void restart(std::uint32_t map);
   // Off: hears nothing, says nothing.
   void switch_on(bool on) { on_ = on; }
-  double forget_after_s = 30.0;  // of silence
   std::size_t sink_room = 100000;
-  bool checks_tags = true;  // no: damaged datagrams go on to receive()
+  bool keeps_sent = false;
+  std::vector<Datagram> sent;  // when they are kept
 
+  // The slot of a peer's map, or -1.
+  int slot_of(std::uint64_t robot, std::uint32_t map) const;
+  int slot_of(const FleetNode& peer) const { return slot_of(peer.robot(), peer.map()); }
   // What it has of a peer's map; null: no such slot.
-  const RecordMap* replica(std::uint64_t robot, std::uint32_t map);
-  bool complete(std::uint64_t robot, std::uint32_t map);
+  const RecordMap* replica(std::uint64_t robot, std::uint32_t map) const;
+  const RecordMap* replica(const FleetNode& peer) const {
+    return replica(peer.robot(), peer.map());
+  }
+  bool complete(const FleetNode& peer) const;
 
   void receive(Time now, int from, std::span<const std::uint8_t> bytes) override;
   bool send(Time now, sim::Datagram& out) override;
@@ -56,34 +71,19 @@ class FleetNode final : public sim::NetworkNode, public RecordSink {
   void forget(int slot) override { taken_[static_cast<std::size_t>(slot)].clear(); }
 
  private:
-  struct Heard {
-    bool joined = false;
-    std::uint64_t boot = 0;
-    Time at;
-    std::uint64_t highest = 0;
-    std::uint64_t window = 0;  // of 64, as replay protection
-  };
-  int session_of(int node) const { return node < number_ ? node : node - 1; }
-  int slot_with(std::uint64_t robot, std::uint32_t map) const;
-  bool is_fresh(Heard& heard, std::uint64_t counter) const;
-
   int number_;
-  std::uint64_t robot_;
-  std::uint64_t boot_ = 1;
-  std::uint64_t counter_ = 0;
+  std::uint64_t seed_;
+  std::uint64_t boot_;
+  Settings settings_;
   std::uint32_t map_ = 0;
   bool on_ = true;
-  std::uint64_t damaged_ = 0;
-  std::size_t memory_bytes_ = 0;
-  Synchroniser sync_;
-  std::unique_ptr<ArenaBlock> memory_;
+  Time next_care_;
+  std::unique_ptr<PeerExchange> link_;
   RecordMap own_;
   std::array<RecordMap, kMaxReplicas> taken_;
-  std::array<Heard, kMaxSessions> heard_;
 };
 
 struct Fleet {
-  // Robots get the numbers 1000, 1001, ...; their maps begin with 10 * robot.
   Fleet(int robots, std::uint64_t seed, const Settings& settings = {});
 
   FleetNode& node(int i) { return *nodes[static_cast<std::size_t>(i)]; }
@@ -97,7 +97,5 @@ struct Fleet {
   Random random;
   std::vector<std::unique_ptr<FleetNode>> nodes;
 };
-
-Settings fleet_settings(int number, std::uint64_t seed, Settings settings = {});
 
 }  // namespace zenith::exchange

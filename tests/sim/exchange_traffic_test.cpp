@@ -74,11 +74,38 @@ double greatest_jump_m(const DriveLog& log) {
   return greatest_m;
 }
 
+// What one robot sends, a second.
+struct Rate {
+  double busiest_bytes = 0.0;  // of the busiest one; all else is the mean
+  double bytes = 0.0;
+  double news = 0.0;  // records, that everybody hears
+  double served = 0.0;
+  double requests = 0.0;
+};
+
+// What was sent until now.
+struct Totals {
+  explicit Totals(Fleet& fleet) {
+    for (int i = 0; i < fleet.size(); ++i) {
+      bytes.push_back(fleet.network.traffic(i).sent_bytes);
+      counters.push_back(fleet.node(i).sync().counters());
+    }
+  }
+  std::vector<std::uint64_t> bytes;
+  std::vector<Counters> counters;
+};
+
 // All robots of the fleet drive at once; each its log, again and again one of the two. Returns the
-// bytes per second of the busiest robot.
-double replay(Fleet& fleet, double duration_s) {
+// rates after the first `lead_s`.
+Rate replay(Fleet& fleet, double lead_s, double end_s) {
   std::vector<std::size_t> next(static_cast<std::size_t>(fleet.size()), 0);
-  for (double t = 0.0; t < duration_s; t += 0.1) {
+  Totals before(fleet);
+  bool led = false;
+  for (double t = 0.0; t < end_s; t += 0.1) {
+    if (!led && t >= lead_s) {
+      led = true;
+      before = Totals(fleet);
+    }
     for (int i = 0; i < fleet.size(); ++i) {
       const DriveLog& log = driven(static_cast<std::size_t>(i % 2));
       std::size_t& at = next[static_cast<std::size_t>(i)];
@@ -89,15 +116,25 @@ double replay(Fleet& fleet, double duration_s) {
     }
     fleet.network.run_for(0.1);
   }
-  double most = 0.0;
-  for (int i = 0; i < fleet.size(); ++i) {
-    const sim::NetworkTraffic& traffic = fleet.network.traffic(i);
-    most = std::max(most, static_cast<double>(traffic.sent_bytes) / duration_s);
-    EXPECT_LE(traffic.busiest_second_bytes, Settings{}.max_rate);
-    EXPECT_EQ(fleet.node(i).sync().counters().inconsistent, 0u);
-    EXPECT_EQ(fleet.node(i).sync().counters().own_refused, 0u);
+  const Totals after(fleet);
+  Rate all;
+  const auto per_robot_s = [&](std::uint64_t now, std::uint64_t then) {
+    return static_cast<double>(now - then) / (end_s - lead_s) / fleet.size();
+  };
+  for (std::size_t i = 0; i < after.bytes.size(); ++i) {
+    const Counters& now = after.counters[i];
+    const Counters& then = before.counters[i];
+    const double bytes = per_robot_s(after.bytes[i], before.bytes[i]);
+    all.bytes += bytes;
+    all.busiest_bytes = std::max(all.busiest_bytes, bytes * fleet.size());
+    all.news += per_robot_s(now.news_sent, then.news_sent);
+    all.served += per_robot_s(now.served_sent, then.served_sent);
+    all.requests += per_robot_s(now.requests_sent, then.requests_sent);
+    EXPECT_LE(fleet.network.traffic(static_cast<int>(i)).busiest_second_bytes, Settings{}.max_rate);
+    EXPECT_EQ(now.inconsistent, 0u);
+    EXPECT_EQ(now.own_refused, 0u);
   }
-  return most;
+  return all;
 }
 
 class Newcomer : public ::testing::TestWithParam<std::pair<std::uint32_t, double>> {};
@@ -158,7 +195,7 @@ TEST(ExchangeTraffic, OfARobotThatMaps) {
   const TestSeed seed;
   Fleet fleet(2, seed.value());
   const DriveLog& log = driven(0);
-  const double rate = replay(fleet, log.duration_s);
+  const double rate = replay(fleet, 0.0, log.duration_s).busiest_bytes;
   print_figure(
       "exchange: a robot that drives at %.2f m/s publishes %.1f records/s and sends %.2f kB/s",
       log.way_m / log.duration_s, static_cast<double>(log.records.size()) / log.duration_s,
@@ -179,17 +216,28 @@ TEST(ExchangeTraffic, OfOneRobotDoesNotGrowWithTheFleet) {
     wlan.loss = 0.01;
     wlan.jitter_s = 0.005;
     fleet.network.set_all(wlan);
-    rates.push_back(replay(fleet, 25.0));
-    print_figure("exchange: %d robots that map: the busiest one sends %.2f kB/s, %.1f MB each",
-                 robots, rates.back() / 1e3,
-                 static_cast<double>(fleet.node(0).memory_bytes()) / 1e6);
+    fleet.network.run_for(20.0);
+    print_figure("exchange: %d robots meet: each sends %.1f kB in the first 20 s", robots,
+                 static_cast<double>(fleet.network.traffic(0).sent_bytes) / 1e3);
+    for (int i = 0; i < robots; ++i) {
+      ASSERT_EQ(fleet.node(i).link().sessions().counters().verified,
+                static_cast<std::uint64_t>(robots - 1));
+    }
+    const Rate rate = replay(fleet, 13.0, 38.0);
+    rates.push_back(rate.bytes);
+    print_figure(
+        "exchange: %d robots that map: each sends %.2f kB/s, the busiest one %.2f: %.1f records/s "
+        "as "
+        "news, %.1f that were missed, %.2f requests/s; memory %.1f MB each",
+        robots, rate.bytes / 1e3, rate.busiest_bytes / 1e3, rate.news, rate.served, rate.requests,
+        static_cast<double>(fleet.node(0).memory_bytes()) / 1e6);
     fleet.network.set_all({});
     EXPECT_LT(fleet.run_until_same(15.0, 1.0), 15.0) << fleet.first_difference();
     EXPECT_LE(fleet.node(0).memory_bytes(), 16u << 20u);
   }
-  // News go to everybody once. What grows are requests and what is asked for: with 1 % of loss,
-  // half of all datagrams to 49 robots are missed by one of them.
-  EXPECT_LE(rates.back(), 2.0 * rates.front());
+  // News go to everybody once. With 1 % of loss two of five datagrams to 49 robots are missed by one
+  // of them; what of that is not told anew meanwhile goes out again.
+  EXPECT_LE(rates.back(), 1.35 * rates.front());
 }
 
 }  // namespace

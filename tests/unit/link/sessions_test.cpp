@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/unit/link/link_rig.h"
+#include "tests/support/link_rig.h"
 
 namespace zenith {
 namespace {
@@ -324,20 +324,46 @@ TEST(Sessions, ByeEndsAndNothingOfItIsFreshAgain) {
   EXPECT_EQ(ada.events().size(), 0u);
 }
 
-TEST(Sessions, TheSilentAreForgottenAndVerifiedAgain) {
+TEST(Sessions, TheSilentAreNoPeersUntilTheyAreHeardAgain) {
   TestRobot ada("ada", 1, 1);
   TestRobot bert("bert", 2, 2);
+  const std::uint64_t robot = bert.sessions.own().robot;
   verify(ada, bert, at(0));
-  ada.hear(at(1), bert.address, bert.hello());
+  const Datagram first = bert.hello();
+  ada.hear(at(1), bert.address, first);
   ada.events();
   ada.sessions.forget_silent(at(60));
-  EXPECT_GE(ada.sessions.find_peer(bert.sessions.own().robot), 0);
+  EXPECT_GE(ada.sessions.find_peer(robot), 0);
   ada.sessions.forget_silent(at(61.1));
-  EXPECT_EQ(ada.sessions.find_peer(bert.sessions.own().robot), -1);
-  EXPECT_EQ(ada.events().at(0).kind, LinkEventKind::kSilent);
-  EXPECT_FALSE(ada.hear(at(70), bert.address, bert.hello()));
-  verify(ada, bert, at(80));
-  EXPECT_TRUE(ada.hear(at(81), bert.address, bert.hello()));
+  ada.sessions.forget_silent(at(62.1));
+  EXPECT_EQ(ada.sessions.find_peer(robot), -1);
+  const auto silent = ada.events();
+  ASSERT_EQ(silent.size(), 1u);
+  EXPECT_EQ(silent[0].kind, LinkEventKind::kSilent);
+  // What it said before is not fresh again, however long ago that was.
+  EXPECT_FALSE(ada.hear(at(5000), address_of(66), first));
+  EXPECT_EQ(ada.rejected(Rejected::kRepeated), 1u);
+  EXPECT_EQ(ada.sessions.find_peer(robot), -1);
+  const std::uint64_t changes = ada.sessions.changes();
+  EXPECT_TRUE(ada.hear(at(5000), bert.address, bert.hello()));
+  EXPECT_GE(ada.sessions.find_peer(robot), 0);
+  EXPECT_NE(ada.sessions.changes(), changes);
+  EXPECT_EQ(ada.sessions.counters().verified, 1u);
+  const auto back = ada.events();
+  ASSERT_EQ(back.size(), 1u);
+  EXPECT_EQ(back[0].kind, LinkEventKind::kFound);
+  // Silent again, it begins anew: the new boot takes the old one's place, which is then forgotten.
+  ada.sessions.forget_silent(at(5100));
+  TestRobot again("bert", 9, 2);
+  verify(ada, again, at(5110));
+  EXPECT_EQ(ada.sessions.session(ada.sessions.find_peer(robot))->id.boot, 9u);
+  EXPECT_FALSE(ada.hear(at(5111), bert.address, bert.hello()));
+  EXPECT_EQ(ada.rejected(Rejected::kNameTaken), 1u);
+  ada.hear(at(5160), again.address, again.hello());
+  ada.sessions.forget_silent(at(5175));
+  int used = 0;
+  for (int i = 0; i < kMaxSessions; ++i) used += ada.sessions.session(i) != nullptr ? 1 : 0;
+  EXPECT_EQ(used, 1);
 }
 
 TEST(Sessions, AreFullWithAWholeFleetAndMakeRoomForTheLiving) {
