@@ -3,72 +3,24 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <memory>
 
 #include "platform/link/sealing.h"
-#include "sim/simulation.h"
-#include "tests/support/figure.h"
 #include "tests/support/seeds.h"
+#include "tests/system/fleet_rig.h"
 #include "tests/system/hostile.h"
-#include "tests/system/net_world.h"
-#include "tests/system/sim_daemon.h"
 
 namespace zenith {
 namespace {
 
-// Generous: the machine may be slow and do other work. What is waited for is a state.
-constexpr double kLimit_s = 200.0;
-// Of an alignment, between starts that lie 7 m apart; five frames a second and half of the usual
-// particles. Measured: 1 to 3 cm, 0.0 to 0.3 degrees.
-constexpr double kMaxError_m = 0.2;
-constexpr double kMaxError_rad = 0.05;
-
-// The start of the world's robot `b` in the start frame of its robot `a`.
-Pose2 true_alignment(std::size_t a, std::size_t b) {
-  auto simulation =
-      sim::Simulation::load(ZENITH_SOURCE_DIR "/tests/system/worlds/one-room.toml", {});
-  if (!simulation.ok()) return {};
-  const Pose2 start_a = simulation->drive(a).T_world_robot(Time{0});
-  const Pose2 start_b = simulation->drive(b).T_world_robot(Time{0});
-  return start_a.inverse() * start_b;
-}
-
-void expect_true(const SimDaemon& own, const SimDaemon& peer, std::size_t a, std::size_t b) {
-  const auto found = own.merged(peer.name());
-  ASSERT_TRUE(found) << own.log();
-  const Pose2 truth = true_alignment(a, b);
-  const double error_m = std::hypot(found->x_m - truth.x_m, found->y_m - truth.y_m);
-  const double error_rad = std::abs(wrap_angle(found->theta_rad - truth.theta_rad));
-  print_figure("two daemons over UDP: %s has %s's start wrong by %.3f m, %.2f deg",
-               own.name().c_str(), peer.name().c_str(), error_m, error_rad * 57.3);
-  EXPECT_LT(error_m, kMaxError_m);
-  EXPECT_LT(error_rad, kMaxError_rad);
-}
-
-class FleetTest : public testing::Test {
+class FleetTest : public FleetRig {
  protected:
-  void SetUp() override {
-    if (!world_.good()) {
-      GTEST_SKIP() << "SKIPPED: network namespaces need root and the ip command; nothing was "
-                      "tested between daemons";
-    }
-    ASSERT_TRUE(create_fleet_key(folder_.path() / "fleet.key").ok());
-  }
-
-  bool complete(const SimDaemon& own, const SimDaemon& peer) const {
-    const auto line = own.peer(peer.name());
-    return !line.is_null() && line["complete"].get<bool>();
-  }
   void attack(const Daemons& all, SimDaemon& victim);
-
-  NetWorld world_{3};
-  tools::TemporaryFolder folder_;
 };
 
 TEST_F(FleetTest, TwoRobotsBuildOneMapWhateverHappens) {
-  SimDaemon r1(folder_.path(), "r1", "interface = \"wlan0\"\n", world_.name(1));
-  SimDaemon r2(folder_.path(), "r2", "interface = \"wlan0\"\n", world_.name(2));
+  SimDaemon r1 = robot(1);
+  SimDaemon r2 = robot(2);
   const Daemons all = {&r1, &r2};
   const Time started = monotonic_now();
   for (SimDaemon* daemon : all) ASSERT_TRUE(daemon->start()) << daemon->log();
@@ -76,8 +28,8 @@ TEST_F(FleetTest, TwoRobotsBuildOneMapWhateverHappens) {
       << r1.log() << r2.log();
   print_figure("two daemons over UDP: merged %.0f s after their start",
                (monotonic_now() - started).seconds());
-  expect_true(r1, r2, 0, 1);
-  expect_true(r2, r1, 1, 0);
+  expect_true(r1, r2, 1, 2);
+  expect_true(r2, r1, 2, 1);
   EXPECT_EQ(r1.peer("r2")["address"], NetWorld::address(2) + ":21474");
 
   attack(all, r1);
@@ -116,7 +68,7 @@ TEST_F(FleetTest, TwoRobotsBuildOneMapWhateverHappens) {
 // Everything that somebody can send, with and without the key.
 void FleetTest::attack(const Daemons& all, SimDaemon& victim) {
   const TestSeed seed;
-  const auto keys = read_fleet_keys(folder_.path() / "fleet.key");
+  const auto keys = read_fleet_keys(key_file());
   ASSERT_TRUE(keys.ok());
   const auto sum = [&] {
     std::uint64_t all_reasons = 0;

@@ -37,19 +37,28 @@ class NetWorld {
   bool pull_cable(int computer) const { return on_switch("link set " + port(computer) + " down"); }
   bool plug_cable(int computer) const { return on_switch("link set " + port(computer) + " up"); }
 
-  // Runs `work` on a computer: sockets that it opens stay there.
+  // Runs `work` on a computer: sockets that it opens stay there. Its network is wlan0.
   template <typename Work>
   bool on(int computer, Work work) const {
+    return in(name(computer), work);
+  }
+  // Likewise on the switch, where all cables end.
+  template <typename Work>
+  bool on_the_switch(Work work) const {
+    return in(switch_name(), work);
+  }
+
+ private:
+  template <typename Work>
+  static bool in(const std::string& netns, Work work) {
     bool entered = false;
     std::thread([&] {
-      const UniqueFd fd(::open(("/run/netns/" + name(computer)).c_str(), O_RDONLY | O_CLOEXEC));
+      const UniqueFd fd(::open(("/run/netns/" + netns).c_str(), O_RDONLY | O_CLOEXEC));
       entered = fd.is_open() && ::setns(fd.get(), CLONE_NEWNET) == 0;
       if (entered) work();
     }).join();
     return entered;
   }
-
- private:
   static bool ip(const std::string& words) {
     return std::system(("ip " + words + " >/dev/null 2>&1").c_str()) == 0;
   }

@@ -53,6 +53,8 @@ class SimDaemon {
       return reader_ != nullptr;
     });
   }
+  // It reads its files again.
+  void hang_up() { process_->send(SIGHUP); }
   int stop() {
     process_->send(SIGTERM);
     return process_->wait(30.0);
