@@ -16,10 +16,8 @@ inline constexpr int kPatchSize = 16;
 inline constexpr int kPatchLength = kPatchSize * kPatchSize;
 inline constexpr int kCompactLength = 32;
 
-// Particles: 200 by default, 800 for the comparison in the docs. Rows are padded to a multiple of
-// 16 floats, one AVX-512 register.
+// Particles: 200 by default, 800 for the comparison in the docs.
 inline constexpr int kMaxParticles = 1024;
-inline constexpr int kRowAlign = 16;
 
 // Landmarks of the own map: 1000 m2 of ceiling at four landmarks a square metre.
 inline constexpr int kMaxLandmarks = 4096;
@@ -88,7 +86,6 @@ static_assert(kPeerLandmarkPool >= 4 * kMaxPeerLandmarks + kMaxLandmarks,
               "and the own map, which is searched for repetitions as if it were a peer's");
 static_assert(kMaxPeerLandmarks % kPeerBlock == 0);
 static_assert(kHypothesisPool >= kHypothesisReserve + 8 * kMaxHypotheses);
-static_assert(kMaxParticles % kRowAlign == 0);
 static_assert(kCompactLength < kPatchLength);
 
 }  // namespace zenith

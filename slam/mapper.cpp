@@ -18,9 +18,6 @@ void Mapper::layout(Arena& arena, const Parameters& parameters) {
   associator_.layout(arena);
   proposal_.layout(arena, n);
   const auto stride = static_cast<std::size_t>(row_stride(n));
-  prediction_ = {arena.take<float>(stride).data(), arena.take<float>(stride).data(),
-                 arena.take<float>(stride).data(), arena.take<float>(stride).data(),
-                 arena.take<float>(stride).data()};
   candidates_ = arena.take<Candidates>(1);
   parents_ = arena.take<std::uint16_t>(static_cast<std::size_t>(n));
   resample_scratch_ = arena.take<double>(stride);

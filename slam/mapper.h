@@ -123,7 +123,6 @@ class Mapper {
   ProposalRows proposal_;
   CalibrationEstimator calibration_;
   PoseSensitivity pose_by_calibration_ = PoseSensitivity::Zero();
-  PredictionRows prediction_;
   std::span<Candidates> candidates_;
   std::span<std::uint16_t> parents_;
   std::span<double> resample_scratch_;

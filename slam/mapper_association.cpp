@@ -66,33 +66,21 @@ void Mapper::predict_candidates(const FeatureExtractor& view) {
 bool Mapper::predict_candidate(int slot, const FeatureExtractor& view, Candidate& c) {
   const LandmarkInfo& info = map_->info(slot);
   const LandmarkRows rows = map_->rows(slot);
-  predict_landmark(rows, particles_.camera, particles_.count, prediction_);
-  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
-  Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
-  Eigen::Matrix2d own = Eigen::Matrix2d::Zero();
-  double rho = 0.0;
-  for (int i = 0; i < particles_.count; ++i) {
-    const double w = particles_.weight[static_cast<std::size_t>(i)];
-    const Eigen::Vector2d m(prediction_.mx[i], prediction_.my[i]);
-    mean += w * m;
-    spread += w * m * m.transpose();
-    own(0, 0) += w * static_cast<double>(prediction_.sxx[i]);
-    own(0, 1) += w * static_cast<double>(prediction_.sxy[i]);
-    own(1, 1) += w * static_cast<double>(prediction_.syy[i]);
-    rho += w * static_cast<double>(rows.rho[i]);
-  }
-  own(1, 0) = own(0, 1);
+  const LandmarkPrediction prediction = predict_landmark(
+      rows, particles_.camera, particles_.weight.data(), particles_.count);
+  const Eigen::Vector2d& mean = prediction.mean;
+  const double rho = prediction.rho;
   c.slot = slot;
   c.m = mean;
   const float noise = observation_noise(static_cast<float>(mean.squaredNorm()));
   c.stated_noise = noise;
-  c.own = own + static_cast<double>(noise) * Eigen::Matrix2d::Identity();
+  c.own = prediction.own + static_cast<double>(noise) * Eigen::Matrix2d::Identity();
   c.promoted = info.state == LandmarkState::kPromoted;
   const double unseen_m = map_->way_m() - info.last_seen_way_m;
   c.old = unseen_m > p_.loop_travel_m;
   const Eigen::Vector2d l = lever_m();
   c.G << -rho, 0.0, mean.y() + rho * l.y(), 0.0, -rho, -(mean.x() + rho * l.x());
-  c.common = spread - mean * mean.transpose() + c.G * motion_.covariance * c.G.transpose();
+  c.common = prediction.spread + c.G * motion_.covariance * c.G.transpose();
   if (c.old) {
     const double drift = p_.loop_drift * unseen_m * rho;
     c.common += drift * drift * Eigen::Matrix2d::Identity();

@@ -12,13 +12,14 @@
 // particle, so the Kalman update is exact, also with almost no parallax, where an EKF on
 // (Lx, Ly, Lz) linearises badly.
 //
-// Every function here is a kernel over rows of particles; the caller has brought all rows to the
-// same generation.
+// Every function here works on rows of particles, with the kernels of slam/kernels/rows; the caller
+// has brought all rows to the same generation. Rows and weights are padded (row_stride()).
 
 #include <Eigen/Core>
 
 #include "slam/filter/particles.h"
 #include "slam/filter/rows.h"
+#include "slam/kernels/rows/rows.h"
 
 namespace zenith {
 
@@ -28,36 +29,22 @@ inline constexpr int kAnchorRows = 4;    // x y cos sin
 using LandmarkRowStore = RowStore<kLandmarkRows>;
 using AnchorRowStore = RowStore<kAnchorRows>;
 
-// Rows of one landmark with its anchor.
-struct LandmarkRows {
-  float* ax;
-  float* ay;
-  float* rho;
-  float* pxx;
-  float* pxy;
-  float* pxr;
-  float* pyy;
-  float* pyr;
-  float* prr;
-  const float* anchor_x;
-  const float* anchor_y;
-  const float* anchor_cos;
-  const float* anchor_sin;
-};
-
 LandmarkRows landmark_rows(LandmarkRowStore& landmarks, int slot, AnchorRowStore& anchors,
                            int anchor);
 
-// Prediction of one landmark for each particle: m, and S without the measurement noise.
-struct PredictionRows {
-  float* mx = nullptr;
-  float* my = nullptr;
-  float* sxx = nullptr;
-  float* sxy = nullptr;
-  float* syy = nullptr;
-};
+// For each particle: m, and S without the measurement noise.
 void predict_landmark(const LandmarkRows& landmark, const CameraRows& camera, int particles,
                       const PredictionRows& out);
+
+// Over all particles: the mean of m, its spread between particles, the mean of S, the mean of rho.
+struct LandmarkPrediction {
+  Eigen::Vector2d mean;
+  Eigen::Matrix2d spread;
+  Eigen::Matrix2d own;
+  double rho = 0.0;
+};
+LandmarkPrediction predict_landmark(const LandmarkRows& landmark, const CameraRows& camera,
+                                    const double* weight, int particles);
 
 // The Kalman update with observation (zx, zy) of variance `noise` on each axis.
 void update_landmark(const LandmarkRows& landmark, const CameraRows& camera, int particles,

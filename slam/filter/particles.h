@@ -10,16 +10,9 @@
 #include "platform/base/arena.h"
 #include "slam/filter/rows.h"
 #include "slam/geometry.h"
+#include "slam/kernels/rows/rows.h"
 
 namespace zenith {
-
-// The camera centre in the plane and the robot's heading, as rows for the landmark kernels.
-struct CameraRows {
-  float* x = nullptr;
-  float* y = nullptr;
-  float* cos = nullptr;
-  float* sin = nullptr;
-};
 
 struct Particles {
   int count = 0;

@@ -67,54 +67,8 @@ void ProposalRows::clear(int particles) {
 void add_to_proposal(const LandmarkRows& landmark, const CameraRows& camera, int particles,
                      const Eigen::Vector2f& lever_m, float zx, float zy, float noise,
                      const ProposalRows& rows) {
-  constexpr int kChunk = 64;  // predictions of so many particles stay in registers and L1
-  float mx[kChunk];
-  float my[kChunk];
-  float sxx[kChunk];
-  float sxy[kChunk];
-  float syy[kChunk];
-  for (int start = 0; start < particles; start += kChunk) {
-    const int n = std::min(kChunk, particles - start);
-    const LandmarkRows l = {
-        landmark.ax + start,        landmark.ay + start,       landmark.rho + start,
-        landmark.pxx + start,       landmark.pxy + start,      landmark.pxr + start,
-        landmark.pyy + start,       landmark.pyr + start,      landmark.prr + start,
-        landmark.anchor_x + start,  landmark.anchor_y + start, landmark.anchor_cos + start,
-        landmark.anchor_sin + start};
-    const CameraRows c = {camera.x + start, camera.y + start, camera.cos + start,
-                          camera.sin + start};
-    predict_landmark(l, c, n, {mx, my, sxx, sxy, syy});
-    for (int i = 0; i < n; ++i) {
-      const float a = sxx[i] + noise;
-      const float b = sxy[i];
-      const float d = syy[i] + noise;
-      const float det = a * d - b * b;
-      const float wxx = d / det;
-      const float wxy = -b / det;
-      const float wyy = a / det;
-      const float rho = l.rho[i];
-      const float gx = my[i] + rho * lever_m.y();
-      const float gy = -(mx[i] + rho * lever_m.x());
-      const float nx = zx - mx[i];
-      const float ny = zy - my[i];
-      const float ex = wxx * nx + wxy * ny;
-      const float ey = wxy * nx + wyy * ny;
-      const float tx = wxx * gx + wxy * gy;
-      const float ty = wxy * gx + wyy * gy;
-      const int k = start + i;
-      rows.row[0][k] += rho * rho * wxx;
-      rows.row[1][k] += rho * rho * wxy;
-      rows.row[2][k] -= rho * tx;
-      rows.row[3][k] += rho * rho * wyy;
-      rows.row[4][k] -= rho * ty;
-      rows.row[5][k] += gx * tx + gy * ty;
-      rows.row[6][k] -= rho * ex;
-      rows.row[7][k] -= rho * ey;
-      rows.row[8][k] += gx * ex + gy * ey;
-      rows.row[9][k] += nx * ex + ny * ey;
-      rows.row[10][k] += std::log(det);
-    }
-  }
+  rows_in_use().add_to_proposal(landmark, camera, particles, lever_m.x(), lever_m.y(),
+                                {zx, zy, noise}, rows.row);
 }
 
 void draw_from_proposal(Particles& particles, const MotionIncrement& motion,

@@ -9,10 +9,13 @@
 #include "platform/base/arena.h"
 #include "slam/capacity.h"
 #include "slam/filter/ancestry.h"
+#include "slam/kernels/rows/rows.h"
 
 namespace zenith {
 
-// Floats in a row for so many particles.
+static_assert(kMaxParticles % kRowAlign == 0);
+
+// Floats in a row for so many particles: kernels read and write the padding.
 constexpr int row_stride(int particles) {
   return (particles + kRowAlign - 1) / kRowAlign * kRowAlign;
 }

@@ -17,12 +17,15 @@ template <int N>
 struct LaneTypes {
   using Float [[gnu::vector_size(N * 4)]] = float;
   using Int [[gnu::vector_size(N * 4)]] = std::int32_t;
+  using Double [[gnu::vector_size(N * 8)]] = double;
 };
 
 template <int N>
 using Floats = typename LaneTypes<N>::Float;
 template <int N>
 using Ints = typename LaneTypes<N>::Int;
+template <int N>
+using Doubles = typename LaneTypes<N>::Double;
 
 // From and to memory that need not be aligned.
 template <int N>
@@ -35,6 +38,19 @@ ZENITH_INLINE Floats<N> load(const float* from) {
 template <int N>
 ZENITH_INLINE void store(float* to, const Floats<N>& lanes) {
   __builtin_memcpy(to, &lanes, sizeof(lanes));
+}
+
+template <int N>
+ZENITH_INLINE Doubles<N> load(const double* from) {
+  Doubles<N> lanes;
+  __builtin_memcpy(&lanes, from, sizeof(lanes));
+  return lanes;
+}
+
+// As std::min(a, b): b where b < a, else a.
+template <typename V>
+ZENITH_INLINE V smaller(const V& a, const V& b) {
+  return b < a ? b : a;
 }
 
 // As std::max(a, b): b where a < b, else a.

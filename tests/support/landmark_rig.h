@@ -24,7 +24,7 @@ struct CameraRig {
   std::array<std::vector<float>, 4> values;
 
   explicit CameraRig(int particles) {
-    for (auto& v : values) v.resize(static_cast<std::size_t>(particles));
+    for (auto& v : values) v.resize(static_cast<std::size_t>(row_stride(particles)));
   }
   void set(int i, const Pose2& pose) {
     const auto k = static_cast<std::size_t>(i);
@@ -58,7 +58,7 @@ struct LandmarkRig {
   CameraRig anchor;
 
   explicit LandmarkRig(int particles) : anchor(particles) {
-    for (auto& v : values) v.resize(static_cast<std::size_t>(particles));
+    for (auto& v : values) v.resize(static_cast<std::size_t>(row_stride(particles)));
   }
   void set(int i, const LandmarkGaussian& g) {
     const Eigen::Matrix3d& P = g.P;

@@ -132,7 +132,7 @@ TEST(StackedUpdate, WeightsLearnWhatTheViewsHaveInCommon) {
   std::vector<double> log_weight(kParticles, 0.0);
   update_landmark_stacked(scene.landmark.rows(), scene.observers, kParticles, log_weight.data());
   const auto log_likelihood = [&](std::size_t j) {
-    std::vector<double> out(kParticles, 0.0);
+    std::vector<double> out(row_stride(kParticles), 0.0);
     const StackedObservation& o = scene.observers[j];
     add_log_likelihood(sequential.rows(), o.camera, kParticles, o.zx, o.zy, o.noise, 1e9F,
                        out.data());

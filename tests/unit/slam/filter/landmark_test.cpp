@@ -31,6 +31,7 @@ struct Scene {
 
 struct Predicted {
   std::vector<float> mx, my, sxx, sxy, syy;
+  explicit Predicted(int particles) : Predicted(static_cast<std::size_t>(row_stride(particles))) {}
   explicit Predicted(std::size_t n) : mx(n), my(n), sxx(n), sxy(n), syy(n) {}
   PredictionRows rows() { return {mx.data(), my.data(), sxx.data(), sxy.data(), syy.data()}; }
 };
@@ -213,7 +214,7 @@ TEST(Landmark, LikelihoodIsTheGaussiansWithACap) {
   Random random(seed.value());
   Scene scene(random, 0.05, 0.05);
   constexpr double kCap = 9.0;
-  std::vector<double> sum(kParticles, 0.25);
+  std::vector<double> sum(row_stride(kParticles), 0.25);
   int capped = 0;
   const Eigen::Vector2d z = scene.H(0) * scene.landmark.get(0).x;
   add_log_likelihood(scene.landmark.rows(), scene.camera.rows(), kParticles,
@@ -258,7 +259,7 @@ Eigen::Vector3d place_of(const CameraPose& anchor, const Eigen::Vector3d& x, dou
 TEST(Landmark, PlaceHasTheCovarianceOfItsDerivative) {
   const TestSeed seed;
   Random random(seed.value());
-  const double one = 1.0;
+  const std::array<double, kRowAlign> one = {1.0};
   for (int trial = 0; trial < 200; ++trial) {
     LandmarkRig landmark(1);
     landmark.anchor.set(0, random_pose(random, 10.0));
@@ -271,7 +272,7 @@ TEST(Landmark, PlaceHasTheCovarianceOfItsDerivative) {
       const Eigen::Vector3d e = kStep * Eigen::Vector3d::Unit(i);
       J.col(i) = (place_of(anchor, g.x + e, 0.3) - place_of(anchor, g.x - e, 0.3)) / (2.0 * kStep);
     }
-    const LandmarkPlace place = place_landmark(landmark.rows(), &one, 1, 0.3);
+    const LandmarkPlace place = place_landmark(landmark.rows(), one.data(), 1, 0.3);
     const Eigen::Matrix3d expected = J * g.P * J.transpose();
     ASSERT_LT((place.mean_m - place_of(anchor, g.x, 0.3)).norm(), 1e-9);
     ASSERT_LT((place.covariance_m2 - expected).norm(), 1e-6 * expected.norm()) << trial;
@@ -286,7 +287,7 @@ TEST(Landmark, PlaceAddsTheSpreadOfTheParticles) {
   Random random(seed.value());
   constexpr int kFew = 7;
   LandmarkRig landmark(kFew);
-  std::array<double, kFew> weight;
+  std::array<double, kRowAlign> weight = {};
   double sum = 0.0;
   for (int i = 0; i < kFew; ++i) {
     landmark.anchor.set(i, random_pose(random, 0.2));
@@ -299,13 +300,12 @@ TEST(Landmark, PlaceAddsTheSpreadOfTheParticles) {
   Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
   for (int i = 0; i < kFew; ++i) {
     LandmarkRig one(1);
-    one.anchor.values = {{{landmark.anchor.values[0][static_cast<std::size_t>(i)]},
-                          {landmark.anchor.values[1][static_cast<std::size_t>(i)]},
-                          {landmark.anchor.values[2][static_cast<std::size_t>(i)]},
-                          {landmark.anchor.values[3][static_cast<std::size_t>(i)]}}};
+    for (std::size_t r = 0; r < one.anchor.values.size(); ++r) {
+      one.anchor.values[r][0] = landmark.anchor.values[r][static_cast<std::size_t>(i)];
+    }
     one.set(0, landmark.get(i));
-    const double w1 = 1.0;
-    const LandmarkPlace place = place_landmark(one.rows(), &w1, 1, 0.3);
+    const std::array<double, kRowAlign> w1 = {1.0};
+    const LandmarkPlace place = place_landmark(one.rows(), w1.data(), 1, 0.3);
     const double w = weight[static_cast<std::size_t>(i)];
     mean += w * place.mean_m;
     second += w * (place.covariance_m2 + place.mean_m * place.mean_m.transpose());
