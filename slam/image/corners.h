@@ -7,6 +7,7 @@
 // grey levels per pixel; the window is a binomial of 7 x 7 (sigma 1.22), nearly isotropic, so that
 // a corner keeps its place in it when the robot turns. The peak is refined by a quadratic.
 
+#include <cstdint>
 #include <span>
 
 #include "platform/base/arena.h"
@@ -29,13 +30,8 @@ struct CornerSettings {
   double min_distance_px = 6.0;
   int max_corners = kMaxCorners;
   int per_cell = 3;    // at most, in a cell of 32 x 32 pixels: the spread
-  int border_px = 13;  // room for a rotated patch
+  int border_px = 13;  // room for a rotated patch; at least kHarrisEdge
 };
-
-// Plane of responses, kRectifiedSize x kRectifiedSize; 0 where there is no corner (border, edge,
-// weaker than min_eigenvalue). `scratch` holds 3 planes of the same size. The kernel.
-void harris_response(const ImageView& image, double min_eigenvalue, std::span<float> response,
-                     std::span<float> scratch);
 
 class CornerDetector {
  public:
@@ -44,11 +40,12 @@ class CornerDetector {
   void detect(const ImageView& image, const CornerSettings& settings, Corners& corners);
 
  private:
-  void collect_peaks(int border_px);
+  void refine_peaks(int border_px);
   bool take(const Corner& peak, const CornerSettings& settings, Corners& corners) const;
 
   std::span<float> response_;
   std::span<float> scratch_;
+  std::span<std::int32_t> places_;  // of the local maxima
   std::span<Corner> peaks_;
   std::size_t peak_count_ = 0;
 };

@@ -29,8 +29,8 @@ struct CompactPatch {
 // Direction of the intensity centroid within 8 pixels, radians in the image's axes.
 float patch_orientation(const ImageView& image, float u_px, float v_px);
 
-// The patch around (u, v), turned back by `orientation_rad`. The square of 11.5 pixels to each side
-// must lie in the image.
+// The patch around (u, v), turned back by `orientation_rad`. At least 12 pixels from every edge of
+// the image.
 Patch sample_patch(const ImageView& image, float u_px, float v_px, float orientation_rad);
 
 // The first kCompactLength coefficients of the orthonormal 2D DCT-II, in zigzag order, without the

@@ -28,6 +28,7 @@ void Rectifier::layout(Arena& arena) {
 
 void Rectifier::build(const Lens& lens, const CameraMount& mount, const Pinhole& pinhole) {
   frame_width_ = lens.width_px;
+  frame_height_ = lens.height_px;
   const Eigen::Matrix3d R_camera_base = mount_rotation(mount).transpose();
   for (int v = 0; v < kRectifiedSize; ++v) {
     for (int u = 0; u < kRectifiedSize; ++u) {
@@ -38,8 +39,10 @@ void Rectifier::build(const Lens& lens, const CameraMount& mount, const Pinhole&
       const double fu = std::floor(at.x());
       const double fv = std::floor(at.y());
       if (fu < 0.0 || fv < 0.0 || fu > lens.width_px - 2 || fv > lens.height_px - 2) continue;
-      entry.offset = static_cast<std::uint32_t>(fv) * static_cast<std::uint32_t>(lens.width_px) +
-                     static_cast<std::uint32_t>(fu);
+      // Kernels must not read behind the frame.
+      if (fv > lens.height_px - 3 && fu > lens.width_px - kRemapReads) continue;
+      entry.u = static_cast<std::uint16_t>(fu);
+      entry.v = static_cast<std::uint16_t>(fv);
       entry.weight_u = static_cast<std::uint8_t>(std::lround((at.x() - fu) * 128.0));
       entry.weight_v = static_cast<std::uint8_t>(std::lround((at.y() - fv) * 128.0));
       entry.inside = 1;
@@ -48,8 +51,12 @@ void Rectifier::build(const Lens& lens, const CameraMount& mount, const Pinhole&
 }
 
 void Rectifier::apply(const ImageView& frame, const MutableImageView& out) const {
-  assert(frame.width == frame_width_);
-  remap_bilinear(frame, frame_width_, table_, out);
+  assert(frame.width == frame_width_ && frame.height == frame_height_);
+  const auto remap = image_kernels().remap;
+  for (int v = 0; v < out.height; ++v) {
+    remap(frame.data, frame.stride, table_.data() + static_cast<std::ptrdiff_t>(v) * out.width,
+          out.width, out.row(v));
+  }
 }
 
 bool Rectifier::sees(int u, int v, int margin_px) const {
@@ -63,31 +70,6 @@ bool Rectifier::sees(int u, int v, int margin_px) const {
   };
   // What the lens sees is convex here, so the corners of the square tell.
   return inside(lo_u, lo_v) && inside(hi_u, lo_v) && inside(lo_u, hi_v) && inside(hi_u, hi_v);
-}
-
-void remap_bilinear(const ImageView& frame, int frame_width, std::span<const RemapEntry> table,
-                    const MutableImageView& out) {
-  const bool dense = frame.stride == frame_width;
-  const auto stride = static_cast<std::size_t>(frame.stride);
-  for (int v = 0; v < out.height; ++v) {
-    const RemapEntry* entries = table.data() + static_cast<std::ptrdiff_t>(v) * out.width;
-    std::uint8_t* row = out.row(v);
-    for (int u = 0; u < out.width; ++u) {
-      const RemapEntry& e = entries[u];
-      std::size_t offset = e.offset;
-      if (!dense) {
-        const auto w = static_cast<std::size_t>(frame_width);
-        offset = offset / w * stride + offset % w;
-      }
-      const std::uint8_t* p = frame.data + (e.inside != 0 ? offset : 0);
-      const int wu = e.weight_u;
-      const int wv = e.weight_v;
-      const int top = p[0] * (128 - wu) + p[1] * wu;
-      const int bottom = p[stride] * (128 - wu) + p[stride + 1] * wu;
-      const int value = (top * (128 - wv) + bottom * wv + 8192) >> 14;
-      row[u] = static_cast<std::uint8_t>(e.inside != 0 ? value : 0);
-    }
-  }
 }
 
 }  // namespace zenith

@@ -16,6 +16,7 @@
 #include "platform/base/arena.h"
 #include "slam/capacity.h"
 #include "slam/image/image.h"
+#include "slam/kernels/image/image_kernels.h"
 #include "slam/robot.h"
 
 namespace zenith {
@@ -37,14 +38,6 @@ struct Pinhole {
   }
 };
 
-// One entry of the table: where to read, and the bilinear weights in 1/128.
-struct RemapEntry {
-  std::uint32_t offset = 0;  // of the upper left pixel, in a frame without padding
-  std::uint8_t weight_u = 0;
-  std::uint8_t weight_v = 0;
-  std::uint8_t inside = 0;  // 0: the lens does not see this ray; the pixel is 0
-};
-
 class Rectifier {
  public:
   void layout(Arena& arena);
@@ -59,10 +52,7 @@ class Rectifier {
  private:
   std::span<RemapEntry> table_;
   int frame_width_ = 0;
+  int frame_height_ = 0;
 };
-
-// The kernel: contract as Rectifier::apply; `stride` of the frame may exceed `frame_width`.
-void remap_bilinear(const ImageView& frame, int frame_width, std::span<const RemapEntry> table,
-                    const MutableImageView& out);
 
 }  // namespace zenith

@@ -18,6 +18,8 @@ struct LaneTypes {
   using Float [[gnu::vector_size(N * 4)]] = float;
   using Int [[gnu::vector_size(N * 4)]] = std::int32_t;
   using Double [[gnu::vector_size(N * 8)]] = double;
+  using Byte [[gnu::vector_size(N)]] = std::uint8_t;
+  using Short [[gnu::vector_size(N * 2)]] = std::int16_t;
 };
 
 template <int N>
@@ -26,11 +28,22 @@ template <int N>
 using Ints = typename LaneTypes<N>::Int;
 template <int N>
 using Doubles = typename LaneTypes<N>::Double;
+template <int N>
+using Bytes = typename LaneTypes<N>::Byte;
+template <int N>
+using Shorts = typename LaneTypes<N>::Short;
 
 // From and to memory that need not be aligned.
 template <int N>
 ZENITH_INLINE Floats<N> load(const float* from) {
   Floats<N> lanes;
+  __builtin_memcpy(&lanes, from, sizeof(lanes));
+  return lanes;
+}
+
+template <int N>
+ZENITH_INLINE Bytes<N> load(const std::uint8_t* from) {
+  Bytes<N> lanes;
   __builtin_memcpy(&lanes, from, sizeof(lanes));
   return lanes;
 }

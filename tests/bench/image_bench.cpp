@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kFrame = 120;
 constexpr std::size_t kPlane = kRectifiedSize * kRectifiedSize;
-constexpr double kMinEigenvalue = 5.0;  // Parameters::corner_min_eigenvalue
+constexpr float kMinEigenvalue = 5.0F;  // Parameters::corner_min_eigenvalue
 
 void rectify(benchmark::State& state) {
   const RenderedDrive& drive = corridor_rooms();
@@ -44,9 +44,11 @@ struct Described {
 void harris_response(benchmark::State& state) {
   Described frame;
   std::vector<float> response(kPlane);
-  std::vector<float> scratch(3 * kPlane);
+  std::vector<float> scratch(harris_scratch(kRectifiedSize));
+  const ImageView image = frame.extractor->rectified();
   for (auto _ : state) {
-    zenith::harris_response(frame.extractor->rectified(), kMinEigenvalue, response, scratch);
+    image_kernels().harris(image.data, image.stride, kRectifiedSize, kMinEigenvalue,
+                           response.data(), scratch.data());
     benchmark::DoNotOptimize(response.data());
     benchmark::ClobberMemory();
   }

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "platform/base/random.h"
+#include "slam/kernels/image/image_kernels.h"
 #include "tests/support/arena_block.h"
 #include "tests/support/seeds.h"
 
@@ -150,8 +151,8 @@ TEST(Corners, ResponseIsHarrisDefinition) {
   Random random(seed.value());
   const Plane plane = noise_image(random);
   std::vector<float> response(kN * kN);
-  std::vector<float> scratch(3 * kN * kN);
-  harris_response(view_of(plane), 0.0, response, scratch);
+  std::vector<float> scratch(harris_scratch(kN));
+  image_kernels().harris(plane.data(), kN, kN, 0.0F, response.data(), scratch.data());
   const auto at = [&plane](int u, int v) {
     return static_cast<double>(plane[static_cast<std::size_t>(v * kN + u)]);
   };
