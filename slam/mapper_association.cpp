@@ -66,8 +66,8 @@ void Mapper::predict_candidates(const FeatureExtractor& view) {
 bool Mapper::predict_candidate(int slot, const FeatureExtractor& view, Candidate& c) {
   const LandmarkInfo& info = map_->info(slot);
   const LandmarkRows rows = map_->rows(slot);
-  const LandmarkPrediction prediction = predict_landmark(
-      rows, particles_.camera, particles_.weight.data(), particles_.count);
+  const LandmarkPrediction prediction =
+      predict_landmark(rows, particles_.camera, particles_.weight.data(), particles_.count);
   const Eigen::Vector2d& mean = prediction.mean;
   const double rho = prediction.rho;
   c.slot = slot;

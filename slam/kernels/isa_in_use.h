@@ -3,7 +3,7 @@
 //
 // It changes how fast a result comes, not the result: integer kernels give the same bits on every
 // path, and float kernels do the same operations in the same order, without fused multiply-adds.
-// The one exception is 32-bit NEON, which rounds subnormal numbers to zero and has no division.
+// On 32-bit ARM the compiler takes lanes of floats one by one, for the sake of the same bits.
 
 #include "platform/base/isa.h"
 

@@ -235,8 +235,8 @@ TEST(ExchangeTraffic, OfOneRobotDoesNotGrowWithTheFleet) {
     EXPECT_LT(fleet.run_until_same(15.0, 1.0), 15.0) << fleet.first_difference();
     EXPECT_LE(fleet.node(0).memory_bytes(), 16u << 20u);
   }
-  // News go to everybody once. With 1 % of loss two of five datagrams to 49 robots are missed by one
-  // of them; what of that is not told anew meanwhile goes out again.
+  // News go to everybody once. With 1 % of loss two of five datagrams to 49 robots are missed by
+  // one of them; what of that is not told anew meanwhile goes out again.
   EXPECT_LE(rates.back(), 1.35 * rates.front());
 }
 

@@ -7,8 +7,8 @@
 //
 // Every instruction set does the same operations in the same order without fused multiply-adds, so
 // all give the same bits; sums over particles are kept in kPartialSums parts, particle i in part i
-// mod kPartialSums, which are then added as ((p0+p4)+(p2+p6))+((p1+p5)+(p3+p7)). 32-bit NEON rounds
-// subnormal numbers to zero and divides by Newton's method: it agrees to 1e-6 of the value.
+// mod kPartialSums, which are then added as ((p0+p4)+(p2+p6))+((p1+p5)+(p3+p7)). On 32-bit
+// ARM the compiler takes lanes of floats one by one, for the sake of the same bits.
 //
 // No heap, no state.
 
