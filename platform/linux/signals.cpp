@@ -3,6 +3,7 @@
 #include <poll.h>
 #include <pthread.h>
 #include <sys/signalfd.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -11,11 +12,34 @@
 #include "platform/linux/errno_text.h"
 
 namespace zenith {
+namespace {
+
+pid_t receiver = 0;  // the thread that called open(), where the signals wait to be read
+
+// Threads that libraries started before main(), such as OpenBLAS's, do not block the signals:
+// without this the kernel would hand them one, and it would end the process.
+void hand_on(int signal) {
+  const int error = errno;
+  syscall(SYS_tgkill, getpid(), receiver, signal);
+  errno = error;
+}
+
+}  // namespace
 
 Status Signals::open() {
   sigset_t set;
   sigemptyset(&set);
-  for (const int signal : {SIGTERM, SIGINT, SIGHUP}) sigaddset(&set, signal);
+  receiver = static_cast<pid_t>(syscall(SYS_gettid));
+  for (const int signal : {SIGTERM, SIGINT, SIGHUP}) {
+    sigaddset(&set, signal);
+    struct sigaction before = {};
+    sigaction(signal, nullptr, &before);
+    if (before.sa_handler == SIG_IGN) continue;  // as nohup and a shell's & want it
+    struct sigaction action = {};
+    action.sa_handler = hand_on;
+    action.sa_flags = SA_RESTART;
+    sigaction(signal, &action, nullptr);
+  }
   int error = pthread_sigmask(SIG_BLOCK, &set, nullptr);
   if (error == 0) {
     std::signal(SIGPIPE, SIG_IGN);

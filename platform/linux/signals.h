@@ -16,12 +16,13 @@ enum class SignalRequest {
 };
 
 // Blocks SIGTERM, SIGINT and SIGHUP in the calling thread and all that it starts afterwards, and
-// ignores SIGPIPE: to be called first of all in main().
+// ignores SIGPIPE: to be called first of all in main(). Threads that libraries started earlier hand
+// them on.
 class Signals {
  public:
   Status open();
 
-  // Waits up to `timeout` (0: not at all). Any one thread.
+  // Waits up to `timeout` (0: not at all). The thread that called open().
   std::optional<SignalRequest> wait(Duration timeout);
 
   // Readable when a request waits; for a poll() beside other descriptors.

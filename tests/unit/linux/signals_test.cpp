@@ -3,6 +3,7 @@
 #include <pthread.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <csignal>
 #include <thread>
 
@@ -55,6 +56,27 @@ TEST_F(SignalsTest, ThreadsStartedLaterHaveThemBlocked) {
   EXPECT_EQ(sigismember(&mask, SIGINT), 1);
   EXPECT_EQ(sigismember(&mask, SIGHUP), 1);
   EXPECT_EQ(sigismember(&mask, SIGSEGV), 0);
+}
+
+// As a library's threads, which are there before main().
+TEST_F(SignalsTest, AThreadThatDoesNotBlockThemHandsThemOn) {
+  std::atomic<bool> ready = false;
+  std::atomic<bool> done = false;
+  std::thread other([&] {
+    sigset_t all = {};
+    sigemptyset(&all);
+    for (const int signal : {SIGTERM, SIGINT, SIGHUP}) sigaddset(&all, signal);
+    pthread_sigmask(SIG_UNBLOCK, &all, nullptr);
+    ready = true;
+    while (!done) std::this_thread::yield();
+  });
+  while (!ready) std::this_thread::yield();
+  kill(getpid(), SIGINT);
+  EXPECT_EQ(signals_.wait(Duration::from_seconds(10)), SignalRequest::kStop);
+  kill(getpid(), SIGHUP);
+  EXPECT_EQ(signals_.wait(Duration::from_seconds(10)), SignalRequest::kReload);
+  done = true;
+  other.join();
 }
 
 TEST_F(SignalsTest, AReaderThatLeftDoesNotEndUs) {
