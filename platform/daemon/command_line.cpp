@@ -38,8 +38,8 @@ Without a robot: zenithd-sim --config config/simulated.toml is the same program 
 camera and CAN bus.
 
 Signals: SIGHUP reads the file again and takes over what may change while running, and the fleet's
-key; a file with a mistake changes nothing and the log says what is wrong. SIGTERM and SIGINT end the program within
-a second.
+key; a file with a mistake changes nothing and the log says what is wrong. SIGTERM and SIGINT end
+the program within a second.
 
 It tells how it is on standard error (journald's levels when started by systemd), on LEDs, and on
 a local socket, a line of JSON each:

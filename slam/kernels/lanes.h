@@ -60,6 +60,15 @@ ZENITH_INLINE Doubles<N> load(const double* from) {
   return lanes;
 }
 
+// A bit for each lane that is not 0, for instruction sets without one for it; seldom there is any.
+ZENITH_INLINE unsigned bits_of(const Ints<4>& mask) {
+  unsigned long long halves[2];
+  __builtin_memcpy(halves, &mask, sizeof(halves));
+  if ((halves[0] | halves[1]) == 0) return 0;
+  return (mask[0] != 0 ? 1U : 0U) | (mask[1] != 0 ? 2U : 0U) | (mask[2] != 0 ? 4U : 0U) |
+         (mask[3] != 0 ? 8U : 0U);
+}
+
 // As std::min(a, b): b where b < a, else a.
 template <typename V>
 ZENITH_INLINE V smaller(const V& a, const V& b) {

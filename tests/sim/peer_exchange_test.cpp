@@ -29,12 +29,16 @@ TEST(PeerExchange, ThreeRobotsGetEachOthersMaps) {
   }
 }
 
-// An answer that waits is due at once: the network asks for nothing that is not promised.
-TEST(PeerExchange, PromisesItsAnswers) {
+class PeerExchangeOfTwo : public testing::Test {
+ protected:
   const TestSeed seed;
-  Fleet fleet(2, seed.value());
+  Fleet fleet{2, seed.value()};
   FleetNode& ada = fleet.node(0);
   FleetNode& bert = fleet.node(1);
+};
+
+// An answer that waits is due at once: the network asks for nothing that is not promised.
+TEST_F(PeerExchangeOfTwo, PromisesItsAnswers) {
   sim::Datagram hello;
   const Time now = at(0);
   ASSERT_TRUE(bert.send(now, hello));
@@ -45,11 +49,7 @@ TEST(PeerExchange, PromisesItsAnswers) {
   EXPECT_EQ(ada.link().next_time(now), now);
 }
 
-TEST(PeerExchange, APeerThatBeginsAnewIsAnotherMap) {
-  const TestSeed seed;
-  Fleet fleet(2, seed.value());
-  FleetNode& ada = fleet.node(0);
-  FleetNode& bert = fleet.node(1);
+TEST_F(PeerExchangeOfTwo, APeerThatBeginsAnewIsAnotherMap) {
   tell(fleet, 1, 50);
   fleet.network.run_for(8.0);
   const int before = ada.slot_of(bert);
@@ -67,11 +67,7 @@ TEST(PeerExchange, APeerThatBeginsAnewIsAnotherMap) {
   EXPECT_EQ(ada.replica(bert.robot(), old_map)->size(), 50u);
 }
 
-TEST(PeerExchange, ByeEndsTheSessionAndTheMapStays) {
-  const TestSeed seed;
-  Fleet fleet(2, seed.value());
-  FleetNode& ada = fleet.node(0);
-  FleetNode& bert = fleet.node(1);
+TEST_F(PeerExchangeOfTwo, ByeEndsTheSessionAndTheMapStays) {
   tell(fleet, 1, 30);
   fleet.network.run_for(8.0);
   const int slot = ada.slot_of(bert);
@@ -84,11 +80,7 @@ TEST(PeerExchange, ByeEndsTheSessionAndTheMapStays) {
 }
 
 // All that was ever said, said again, from elsewhere: nothing changes.
-TEST(PeerExchange, ReplayedTrafficChangesNothing) {
-  const TestSeed seed;
-  Fleet fleet(2, seed.value());
-  FleetNode& ada = fleet.node(0);
-  FleetNode& bert = fleet.node(1);
+TEST_F(PeerExchangeOfTwo, ReplayedTrafficChangesNothing) {
   ada.keeps_sent = bert.keeps_sent = true;
   tell(fleet, 1, 60);
   fleet.network.run_for(8.0);
@@ -114,11 +106,7 @@ TEST(PeerExchange, ReplayedTrafficChangesNothing) {
   EXPECT_EQ(ada.link().sessions().session(session)->address, bert.address());
 }
 
-TEST(PeerExchange, ARobotThatKeepsMakingFaultsIsQuarantined) {
-  const TestSeed seed;
-  Fleet fleet(2, seed.value());
-  FleetNode& ada = fleet.node(0);
-  FleetNode& bert = fleet.node(1);
+TEST_F(PeerExchangeOfTwo, ARobotThatKeepsMakingFaultsIsQuarantined) {
   tell(fleet, 1, 30);
   fleet.network.run_for(8.0);
   ASSERT_GE(ada.slot_of(bert), 0);

@@ -1,34 +1,11 @@
 #include "slam/kernels/image/image_kernels.h"
 
-#include "slam/kernels/isa_in_use.h"
+#include "slam/kernels/tables.h"
 
 namespace zenith {
 namespace {
 
-constexpr std::array<const ImageTable*, kIsaCount> kTables = {
-    &kImageScalar,
-#ifdef ZENITH_WITH_SSE41
-    &kImageSse41,
-#else
-    nullptr,
-#endif
-#ifdef ZENITH_WITH_AVX2
-    &kImageAvx2,
-#else
-    nullptr,
-#endif
-#ifdef ZENITH_WITH_AVX512
-    &kImageAvx512,
-#else
-    nullptr,
-#endif
-#ifdef ZENITH_WITH_NEON
-    &kImageNeon,
-#else
-    nullptr,
-#endif
-    nullptr,
-};
+constexpr std::array<const ImageTable*, kIsaCount> kTables = ZENITH_TABLES_WITHOUT_DOTPROD(kImage);
 
 }  // namespace
 

@@ -8,13 +8,7 @@ namespace {
 
 struct Neon : LoadsOneByOne {
   static constexpr int kLanes = 4;
-  static ZENITH_INLINE unsigned bits(const Ints<4>& mask) {
-    unsigned long long halves[2];
-    __builtin_memcpy(halves, &mask, sizeof(halves));
-    if ((halves[0] | halves[1]) == 0) return 0;
-    return (mask[0] != 0 ? 1U : 0U) | (mask[1] != 0 ? 2U : 0U) | (mask[2] != 0 ? 4U : 0U) |
-           (mask[3] != 0 ? 8U : 0U);
-  }
+  static ZENITH_INLINE unsigned bits(const Ints<4>& mask) { return bits_of(mask); }
   // Here all halves are below 2^15 and above -1.
   static ZENITH_INLINE Ints<4> madd(const Ints<4>& a, const Ints<4>& b) {
     return (a & 0xffff) * (b & 0xffff) + (a >> 16) * (b >> 16);

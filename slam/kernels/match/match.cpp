@@ -1,38 +1,11 @@
 #include "slam/kernels/match/match.h"
 
-#include "slam/kernels/isa_in_use.h"
+#include "slam/kernels/tables.h"
 
 namespace zenith {
 namespace {
 
-constexpr std::array<const MatchTable*, kIsaCount> kTables = {
-    &kMatchScalar,
-#ifdef ZENITH_WITH_SSE41
-    &kMatchSse41,
-#else
-    nullptr,
-#endif
-#ifdef ZENITH_WITH_AVX2
-    &kMatchAvx2,
-#else
-    nullptr,
-#endif
-#ifdef ZENITH_WITH_AVX512
-    &kMatchAvx512,
-#else
-    nullptr,
-#endif
-#ifdef ZENITH_WITH_NEON
-    &kMatchNeon,
-#else
-    nullptr,
-#endif
-#ifdef ZENITH_WITH_NEON_DOTPROD
-    &kMatchNeonDotprod,
-#else
-    nullptr,
-#endif
-};
+constexpr std::array<const MatchTable*, kIsaCount> kTables = ZENITH_TABLES(kMatch);
 
 }  // namespace
 

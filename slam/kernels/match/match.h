@@ -25,8 +25,8 @@ template <int kLength>
 struct MatchQueries {
   int count = 0;
   alignas(64) std::int8_t values[2 * kMaxQueries * kLength] = {};
-  alignas(
-      64) std::int32_t start[kMaxQueries] = {};  // of the sums, where values are packed unsigned
+  // What sums begin with, where values of looks are made unsigned.
+  alignas(64) std::int32_t start[kMaxQueries] = {};
   alignas(64) float inverse_norm[kMaxQueries] = {};
 };
 

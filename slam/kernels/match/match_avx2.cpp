@@ -4,6 +4,7 @@
 #include <immintrin.h>
 
 #include "slam/kernels/match/match_body.h"
+#include "slam/kernels/match/match_dot_avx2.h"
 #include "slam/kernels/match/match_pairs.h"
 
 namespace zenith {
@@ -33,18 +34,7 @@ struct Avx2 : Pairs {
 
   template <int kLength>
   static ZENITH_INLINE std::int32_t dot(const std::int8_t* a, const std::int8_t* b) {
-    __m256i sums = _mm256_setzero_si256();
-    for (int i = 0; i < kLength; i += 16) {
-      const __m256i wide_a =
-          _mm256_cvtepi8_epi16(_mm_loadu_si128(reinterpret_cast<const __m128i*>(a + i)));
-      const __m256i wide_b =
-          _mm256_cvtepi8_epi16(_mm_loadu_si128(reinterpret_cast<const __m128i*>(b + i)));
-      sums = _mm256_add_epi32(sums, _mm256_madd_epi16(wide_a, wide_b));
-    }
-    const __m128i half =
-        _mm_add_epi32(_mm256_castsi256_si128(sums), _mm256_extracti128_si256(sums, 1));
-    const auto s = reinterpret_cast<Ints<4>>(half);
-    return s[0] + s[1] + s[2] + s[3];
+    return dot_256<kLength>(a, b);
   }
 };
 

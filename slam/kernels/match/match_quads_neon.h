@@ -34,12 +34,7 @@ struct QuadsNeon {
     return out;
   }
   static ZENITH_INLINE unsigned above(const Floats<4>& a, const Floats<4>& b) {
-    const auto mask = a > b;
-    unsigned long long halves[2];
-    __builtin_memcpy(halves, &mask, sizeof(halves));
-    if ((halves[0] | halves[1]) == 0) return 0;
-    return (mask[0] != 0 ? 1U : 0U) | (mask[1] != 0 ? 2U : 0U) | (mask[2] != 0 ? 4U : 0U) |
-           (mask[3] != 0 ? 8U : 0U);
+    return bits_of(a > b);
   }
 };
 

@@ -1,34 +1,11 @@
 #include "slam/kernels/rows/rows.h"
 
-#include "slam/kernels/isa_in_use.h"
+#include "slam/kernels/tables.h"
 
 namespace zenith {
 namespace {
 
-constexpr std::array<const RowTable*, kIsaCount> kTables = {
-    &kRowsScalar,
-#ifdef ZENITH_WITH_SSE41
-    &kRowsSse41,
-#else
-    nullptr,
-#endif
-#ifdef ZENITH_WITH_AVX2
-    &kRowsAvx2,
-#else
-    nullptr,
-#endif
-#ifdef ZENITH_WITH_AVX512
-    &kRowsAvx512,
-#else
-    nullptr,
-#endif
-#ifdef ZENITH_WITH_NEON
-    &kRowsNeon,
-#else
-    nullptr,
-#endif
-    nullptr,
-};
+constexpr std::array<const RowTable*, kIsaCount> kTables = ZENITH_TABLES_WITHOUT_DOTPROD(kRows);
 
 }  // namespace
 

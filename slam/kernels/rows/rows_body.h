@@ -71,6 +71,11 @@ ZENITH_INLINE Symmetric2<F> innovation(const Gain<F>& g, const View<F>& v) {
           v.s * g.x1 + v.c * g.y1 + v.by * g.r1};
 }
 
+template <typename F>
+ZENITH_INLINE Symmetric2<F> with_noise(const Symmetric2<F>& s, const Sight& sight) {
+  return {s.xx + sight.noise, s.xy, s.yy + sight.noise};
+}
+
 // See row_log().
 template <int N>
 ZENITH_INLINE Floats<N> log_of(const Floats<N>& given) {
@@ -126,9 +131,7 @@ struct RowKernels {
       const Landmark<kLanes> l(rows, i);
       const auto v = view(rows, l, camera, i);
       const auto g = covariance_times_h(l, v);
-      auto s = innovation(g, v);
-      s.xx += sight.noise;
-      s.yy += sight.noise;
+      const auto s = with_noise(innovation(g, v), sight);
       const F inverse_det = 1.0F / (s.xx * s.yy - s.xy * s.xy);
       const F wxx = s.yy * inverse_det;
       const F wxy = -s.xy * inverse_det;
@@ -159,9 +162,7 @@ struct RowKernels {
     for (int i = 0; i < particles; i += kLanes) {
       const Landmark<kLanes> l(rows, i);
       const auto v = view(rows, l, camera, i);
-      auto s = innovation(covariance_times_h(l, v), v);
-      s.xx += sight.noise;
-      s.yy += sight.noise;
+      const auto s = with_noise(innovation(covariance_times_h(l, v), v), sight);
       const F det = s.xx * s.yy - s.xy * s.xy;
       const F nx = sight.zx - v.mx;
       const F ny = sight.zy - v.my;
@@ -185,9 +186,7 @@ struct RowKernels {
     for (int i = 0; i < particles; i += kLanes) {
       const Landmark<kLanes> l(rows, i);
       const auto v = view(rows, l, camera, i);
-      auto s = innovation(covariance_times_h(l, v), v);
-      s.xx += sight.noise;
-      s.yy += sight.noise;
+      const auto s = with_noise(innovation(covariance_times_h(l, v), v), sight);
       const F det = s.xx * s.yy - s.xy * s.xy;
       const F wxx = s.yy / det;
       const F wxy = -s.xy / det;

@@ -83,6 +83,10 @@ Symmetric2 innovation(const Gain& g, const View& v) {
           v.s * g.x1 + v.c * g.y1 + v.by * g.r1};
 }
 
+Symmetric2 with_noise(const Symmetric2& s, const Sight& sight) {
+  return {s.xx + sight.noise, s.xy, s.yy + sight.noise};
+}
+
 void predict(const LandmarkRows& l, const CameraRows& camera, int particles,
              const PredictionRows& out) {
   for (int i = 0; i < particles; ++i) {
@@ -100,9 +104,7 @@ void update(const LandmarkRows& l, const CameraRows& camera, int particles, cons
   for (int i = 0; i < particles; ++i) {
     const View v = view(l, camera, i);
     const Gain g = covariance_times_h(l, v, i);
-    Symmetric2 s = innovation(g, v);
-    s.xx += sight.noise;
-    s.yy += sight.noise;
+    const Symmetric2 s = with_noise(innovation(g, v), sight);
     const float inverse_det = 1.0F / (s.xx * s.yy - s.xy * s.xy);
     const float wxx = s.yy * inverse_det;
     const float wxy = -s.xy * inverse_det;
@@ -134,9 +136,7 @@ void add_log_likelihood(const LandmarkRows& l, const CameraRows& camera, int par
                         const Sight& sight, float cap, double* log_likelihood) {
   for (int i = 0; i < particles; ++i) {
     const View v = view(l, camera, i);
-    Symmetric2 s = innovation(covariance_times_h(l, v, i), v);
-    s.xx += sight.noise;
-    s.yy += sight.noise;
+    const Symmetric2 s = with_noise(innovation(covariance_times_h(l, v, i), v), sight);
     const float det = s.xx * s.yy - s.xy * s.xy;
     const float nx = sight.zx - v.mx;
     const float ny = sight.zy - v.my;
@@ -149,9 +149,7 @@ void add_to_proposal(const LandmarkRows& l, const CameraRows& camera, int partic
                      float lever_x_m, float lever_y_m, const Sight& sight, float* const* rows) {
   for (int i = 0; i < particles; ++i) {
     const View v = view(l, camera, i);
-    Symmetric2 s = innovation(covariance_times_h(l, v, i), v);
-    s.xx += sight.noise;
-    s.yy += sight.noise;
+    const Symmetric2 s = with_noise(innovation(covariance_times_h(l, v, i), v), sight);
     const float det = s.xx * s.yy - s.xy * s.xy;
     const float wxx = s.yy / det;
     const float wxy = -s.xy / det;
