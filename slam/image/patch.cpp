@@ -1,5 +1,6 @@
 #include "slam/image/patch.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -65,6 +66,34 @@ CompactPatch compact(const Patch& patch) {
   if (patch.inverse_norm > 0.0F) {
     out.inverse_norm = image_kernels().compact(kDct, patch.values.data(), out.values.data());
   }
+  return out;
+}
+
+Outline outline(const Patch& patch, const CompactPatch& compact) {
+  Outline out;
+  if (patch.inverse_norm <= 0.0F) return out;
+  // The patch's coefficients, unrounded, along the compact form and beside it.
+  double along = 0.0;
+  double within = 0.0;
+  for (std::size_t n = 0; n < kCompactLength; ++n) {
+    double coefficient = 0.0;
+    for (std::size_t y = 0; y < kPatchSize; ++y) {
+      double row = 0.0;
+      for (std::size_t x = 0; x < kPatchSize; ++x) {
+        row += static_cast<double>(kDct.by_frequency[kDct.order[n][0]][x]) *
+               patch.values[y * kPatchSize + x];
+      }
+      coefficient += static_cast<double>(kDct.by_frequency[kDct.order[n][1]][y]) * row;
+    }
+    coefficient *= static_cast<double>(patch.inverse_norm);
+    along += coefficient * compact.values[n] * static_cast<double>(compact.inverse_norm);
+    within += coefficient * coefficient;
+  }
+  // Floats are rounded here and in the search, in the sixth digit.
+  constexpr double kRounding = 1e-5;
+  out.scale = static_cast<float>(along) * compact.inverse_norm;
+  out.rest = static_cast<float>(std::sqrt(std::max(0.0, 1.0 - along * along)) + kRounding);
+  out.off = static_cast<float>(std::sqrt(std::max(0.0, within - along * along)) + kRounding);
   return out;
 }
 

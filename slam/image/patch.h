@@ -13,6 +13,7 @@
 
 #include "slam/capacity.h"
 #include "slam/image/image.h"
+#include "slam/kernels/match/exact_search.h"
 
 namespace zenith {
 
@@ -36,6 +37,9 @@ Patch sample_patch(const ImageView& image, float u_px, float v_px, float orienta
 // The first kCompactLength coefficients of the orthonormal 2D DCT-II, in zigzag order, without the
 // constant one.
 CompactPatch compact(const Patch& patch);
+
+// How much of a patch its compact form tells, for the exact search. Nothing of one without contrast.
+Outline outline(const Patch& patch, const CompactPatch& compact);
 
 // 1 / |values|, 0 for all zeros: what a received descriptor needs to become a CompactPatch.
 CompactPatch compact_from(const std::array<std::int8_t, kCompactLength>& values);

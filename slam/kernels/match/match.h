@@ -73,10 +73,18 @@ struct MatchKernels {
   std::int32_t (*dot)(const std::int8_t* a, const std::int8_t* b);
 };
 
+struct ExactQueries;  // exact_search.h
+struct ExactLooks;
+
 struct MatchTable {
   Isa isa;
   MatchKernels<32> compact;  // DCT coefficients
   MatchKernels<256> full;    // 16 x 16 pixels
+
+  // The second pass of two_best_exact(): the two best of the looks that have at least the NCC
+  // `known[q]`; of the others, any may be left out.
+  void (*two_best_pruned)(const ExactQueries& queries, const ExactLooks& looks, const float* known,
+                          const std::int32_t* landmarks, int first_look, TwoBest* found);
 };
 
 // Of the best instruction set not above `isa`, and of the one in use (isa_in_use.h).

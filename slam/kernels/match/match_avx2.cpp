@@ -3,16 +3,16 @@
 #ifdef ZENITH_WITH_AVX2
 #include <immintrin.h>
 
-#include "slam/kernels/match/match_body.h"
 #include "slam/kernels/match/match_dot_avx2.h"
 #include "slam/kernels/match/match_pairs.h"
+#include "slam/kernels/match/match_pruned_body.h"
 
 namespace zenith {
 namespace {
 
 struct Avx2 : Pairs {
   static constexpr int kLanes = 8;
-  static constexpr int kVectors = 3;
+  static constexpr int kVectors = 2;
   using Vector = __m256i;
   using Sums = __m256i;
 
@@ -40,8 +40,7 @@ struct Avx2 : Pairs {
 
 }  // namespace
 
-const MatchTable kMatchAvx2 = {Isa::kAvx2, Matcher<Avx2, 32>::kernels(),
-                               Matcher<Avx2, 256>::kernels()};
+const MatchTable kMatchAvx2 = match_table_of<Avx2>(Isa::kAvx2);
 
 }  // namespace zenith
 #endif

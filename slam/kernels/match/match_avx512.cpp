@@ -3,8 +3,8 @@
 #ifdef ZENITH_WITH_AVX512
 #include <immintrin.h>
 
-#include "slam/kernels/match/match_body.h"
 #include "slam/kernels/match/match_dot_avx2.h"
+#include "slam/kernels/match/match_pruned_body.h"
 
 namespace zenith {
 namespace {
@@ -51,8 +51,7 @@ struct Avx512 {
 
 }  // namespace
 
-const MatchTable kMatchAvx512 = {Isa::kAvx512, Matcher<Avx512, 32>::kernels(),
-                                 Matcher<Avx512, 256>::kernels()};
+const MatchTable kMatchAvx512 = match_table_of<Avx512>(Isa::kAvx512);
 
 }  // namespace zenith
 #endif

@@ -68,20 +68,22 @@ struct Matcher {
 
   // The sums of kLooks looks with kVectors vectors of queries.
   template <int kLooks, int kVectors>
-  static ZENITH_INLINE void sum(const Queries& queries, int vector, const Words* words,
+  static ZENITH_INLINE void sum(const Queries& queries, int vector,
+                                const Words* const (&words)[kLooks],
                                 typename Ops::Sums (&sums)[kLooks][kVectors]) {
     for (int v = 0; v < kVectors; ++v) {
       const auto start = Ops::begin(queries.start + (vector + v) * kLanes);
       for (int l = 0; l < kLooks; ++l) sums[l][v] = start;
     }
     const std::int8_t* q = queries.values + vector * kSteps * kVectorBytes;
+#pragma GCC unroll 8
     for (int s = 0; s < kSteps; ++s) {
       typename Ops::Vector values[kVectors];
       for (int v = 0; v < kVectors; ++v) {
         values[v] = Ops::load_queries(q + (v * kSteps + s) * kVectorBytes);
       }
       for (int l = 0; l < kLooks; ++l) {
-        const auto word = Ops::broadcast(words[l].bytes + 4 * s);
+        const auto word = Ops::broadcast(words[l]->bytes + 4 * s);
         for (int v = 0; v < kVectors; ++v) sums[l][v] = Ops::add(sums[l][v], values[v], word);
       }
     }
@@ -91,8 +93,7 @@ struct Matcher {
     return __builtin_convertvector(Ops::lanes(sums), F) * look_norm * norms;
   }
 
-  // --- the best of one landmark's looks
-  // -----------------------------------------------------------
+  // --- the best of one landmark's looks ---
 
   template <int kVectors>
   static ZENITH_INLINE int best_of_vectors(const Queries& queries, int vector, const Looks& looks,
@@ -107,7 +108,7 @@ struct Matcher {
       Words words;
       prepare(look_values(looks, i), words);
       typename Ops::Sums sums[1][kVectors];
-      sum<1, kVectors>(queries, vector, &words, sums);
+      sum<1, kVectors>(queries, vector, {&words}, sums);
       for (int v = 0; v < kVectors; ++v) {
         const F norms = load<kLanes>(queries.inverse_norm + (vector + v) * kLanes);
         const F similarity = ncc(sums[0][v], look_norm(looks, i), norms);
@@ -143,8 +144,7 @@ struct Matcher {
     return count;
   }
 
-  // --- the two best of many landmarks' looks
-  // ------------------------------------------------------
+  // --- the two best of many landmarks' looks ---
 
   struct Chunk {
     const Words* words;
@@ -158,7 +158,9 @@ struct Matcher {
   static ZENITH_INLINE void two_best_tile(const Queries& queries, int vector, const Chunk& chunk,
                                           int look, float* seconds, TwoBest* found) {
     typename Ops::Sums sums[kLooks][kVectors];
-    sum<kLooks, kVectors>(queries, vector, chunk.words + look, sums);
+    const Words* words[kLooks];
+    for (int l = 0; l < kLooks; ++l) words[l] = chunk.words + look + l;
+    sum<kLooks, kVectors>(queries, vector, words, sums);
     for (int v = 0; v < kVectors; ++v) {
       const int first = (vector + v) * kLanes;
       const F norms = load<kLanes>(queries.inverse_norm + first);

@@ -1,6 +1,6 @@
 // For 64-bit and 32-bit ARM: products of bytes widened to 16 bits, added in pairs.
 #ifdef ZENITH_WITH_NEON
-#include "slam/kernels/match/match_body.h"
+#include "slam/kernels/match/match_pruned_body.h"
 #include "slam/kernels/match/match_quads_neon.h"
 
 namespace zenith {
@@ -40,8 +40,7 @@ struct Neon : QuadsNeon {
 
 }  // namespace
 
-const MatchTable kMatchNeon = {Isa::kNeon, Matcher<Neon, 32>::kernels(),
-                               Matcher<Neon, 256>::kernels()};
+const MatchTable kMatchNeon = match_table_of<Neon>(Isa::kNeon);
 
 }  // namespace zenith
 #endif

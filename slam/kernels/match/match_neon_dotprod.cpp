@@ -1,6 +1,6 @@
 // Four products added at once: Cortex-A55, A76 and later.
 #ifdef ZENITH_WITH_NEON_DOTPROD
-#include "slam/kernels/match/match_body.h"
+#include "slam/kernels/match/match_pruned_body.h"
 #include "slam/kernels/match/match_quads_neon.h"
 
 namespace zenith {
@@ -26,8 +26,7 @@ struct NeonDotprod : QuadsNeon {
 
 }  // namespace
 
-const MatchTable kMatchNeonDotprod = {Isa::kNeonDotprod, Matcher<NeonDotprod, 32>::kernels(),
-                                      Matcher<NeonDotprod, 256>::kernels()};
+const MatchTable kMatchNeonDotprod = match_table_of<NeonDotprod>(Isa::kNeonDotprod);
 
 }  // namespace zenith
 #endif

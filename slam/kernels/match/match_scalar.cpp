@@ -1,5 +1,6 @@
 // The specification of the matching kernels.
 
+#include "slam/kernels/match/exact_search.h"
 #include "slam/kernels/match/match.h"
 #include "slam/kernels/match/match_two_best.h"
 
@@ -60,6 +61,30 @@ void two_best(const MatchQueries<kLength>& queries, const Looks& looks,
   }
 }
 
+void two_best_pruned(const ExactQueries& queries, const ExactLooks& looks, const float* known,
+                     const std::int32_t* landmarks, int first_look, TwoBest* found) {
+  const Looks full = {looks.full, looks.inverse_norm, looks.full_stride, looks.count};
+  for (int i = 0; i < looks.count; ++i) {
+    const std::int8_t* compact = looks.compact + static_cast<std::size_t>(i) * looks.compact_stride;
+    const Outline& outline =
+        *reinterpret_cast<const Outline*>(reinterpret_cast<const char*>(looks.outline) +
+                                          static_cast<std::size_t>(i) * looks.compact_stride);
+    for (int q = 0; q < queries.compact.count; ++q) {
+      const std::int32_t sum = dot<32>(queries.compact.values + q * 32, compact);
+      const float bound =
+          static_cast<float>(sum) * outline.scale * queries.compact.inverse_norm[q] +
+          outline.rest * queries.rest[q] + outline.off + queries.off[q];
+      if (bound <= found[q].second.ncc || bound < known[q]) continue;
+      const std::int8_t* values = full.values + static_cast<std::size_t>(i) * full.stride;
+      const float similarity = static_cast<float>(dot<256>(queries.full[q], values)) *
+                               look_norm(full, i) * queries.inverse_norm[q];
+      if (similarity > found[q].second.ncc) {
+        take_if_better(q, first_look + i, landmarks[i], similarity, found[q]);
+      }
+    }
+  }
+}
+
 template <int kLength>
 constexpr MatchKernels<kLength> kernels() {
   return {pack<kLength>, best_of<kLength>, two_best<kLength>, dot<kLength>};
@@ -67,6 +92,6 @@ constexpr MatchKernels<kLength> kernels() {
 
 }  // namespace
 
-const MatchTable kMatchScalar = {Isa::kScalar, kernels<32>(), kernels<256>()};
+const MatchTable kMatchScalar = {Isa::kScalar, kernels<32>(), kernels<256>(), two_best_pruned};
 
 }  // namespace zenith

@@ -2,8 +2,8 @@
 #ifdef ZENITH_WITH_SSE41
 #include <immintrin.h>
 
-#include "slam/kernels/match/match_body.h"
 #include "slam/kernels/match/match_pairs.h"
+#include "slam/kernels/match/match_pruned_body.h"
 
 namespace zenith {
 namespace {
@@ -45,8 +45,7 @@ struct Sse41 : Pairs {
 
 }  // namespace
 
-const MatchTable kMatchSse41 = {Isa::kSse41, Matcher<Sse41, 32>::kernels(),
-                                Matcher<Sse41, 256>::kernels()};
+const MatchTable kMatchSse41 = match_table_of<Sse41>(Isa::kSse41);
 
 }  // namespace zenith
 #endif
