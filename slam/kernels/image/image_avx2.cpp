@@ -15,6 +15,12 @@ struct Avx2 {
     return reinterpret_cast<Ints<8>>(
         _mm256_madd_epi16(reinterpret_cast<__m256i>(a), reinterpret_cast<__m256i>(b)));
   }
+  static ZENITH_INLINE Shorts<8> shorts(const std::uint8_t* from) {
+    return reinterpret_cast<Shorts<8>>(_mm_cvtepu8_epi16(_mm_loadu_si64(from)));
+  }
+  static ZENITH_INLINE Ints<8> ints(const Shorts<8>& s) {
+    return reinterpret_cast<Ints<8>>(_mm256_cvtepi16_epi32(reinterpret_cast<__m128i>(s)));
+  }
   static ZENITH_INLINE Ints<8> gather(const std::uint8_t* base, const Ints<8>& offsets) {
     return reinterpret_cast<Ints<8>>(_mm256_i32gather_epi32(reinterpret_cast<const int*>(base),
                                                             reinterpret_cast<__m256i>(offsets), 1));

@@ -15,6 +15,14 @@ struct Avx512 {
     return reinterpret_cast<Ints<16>>(
         _mm512_madd_epi16(reinterpret_cast<__m512i>(a), reinterpret_cast<__m512i>(b)));
   }
+  static ZENITH_INLINE Shorts<16> shorts(const std::uint8_t* from) {
+    return reinterpret_cast<Shorts<16>>(
+        _mm256_cvtepu8_epi16(_mm_loadu_si128(reinterpret_cast<const __m128i*>(from))));
+  }
+  static ZENITH_INLINE Ints<16> ints(const Shorts<16>& s) {
+    return reinterpret_cast<Ints<16>>(
+        _mm512_maskz_cvtepi16_epi32(0xffff, reinterpret_cast<__m256i>(s)));
+  }
   static ZENITH_INLINE Ints<16> gather(const std::uint8_t* base, const Ints<16>& offsets) {
     // With all lanes asked for, what the destination held before does not matter.
     return reinterpret_cast<Ints<16>>(_mm512_mask_i32gather_epi32(

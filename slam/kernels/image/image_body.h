@@ -3,7 +3,8 @@
 // image_scalar.cpp.
 //
 // Ops: kLanes; bits(mask): a bit for each lane; gather(base, offsets): 32 bits from each place;
-//   madd(a, b): low halves' product plus high halves' product, halves being signed 16 bits.
+//   madd(a, b): low halves' product plus high halves' product, halves being signed 16 bits;
+//   shorts(from): kLanes pixels; ints(shorts).
 
 #include "slam/kernels/image/image_kernels.h"
 #include "slam/kernels/lanes.h"
@@ -43,14 +44,11 @@ struct ImageKernels {
   // 128 - w below, w above.
   static ZENITH_INLINE I weight_pair(const I& w) { return (w << 16) - w + 128; }
 
-  // --- corners
-  // ------------------------------------------------------------------------------------
+  // --- corners ---
 
-  static ZENITH_INLINE Shorts<N> shorts(const std::uint8_t* from) {
-    return __builtin_convertvector(load<N>(from), Shorts<N>);
-  }
+  static ZENITH_INLINE Shorts<N> shorts(const std::uint8_t* from) { return Ops::shorts(from); }
   static ZENITH_INLINE F floats(const Shorts<N>& s) {
-    return __builtin_convertvector(__builtin_convertvector(s, I), F);
+    return __builtin_convertvector(Ops::ints(s), F);
   }
   // Calls work(u) for blocks that cover [begin, end), the last one overlapping the one before.
   template <typename Work>
@@ -60,8 +58,9 @@ struct ImageKernels {
     if (u < end) work(end - N);
   }
 
+  // In units of 32 grey levels a pixel: the window makes up for it.
   static ZENITH_INLINE void gradient_row(const std::uint8_t* b, std::ptrdiff_t stride, int n,
-                                         float* xx, float* xy, float* yy) {
+                                         float* const (&products)[3]) {
     const std::uint8_t* a = b - stride;
     const std::uint8_t* c = b + stride;
     cover(
@@ -77,69 +76,96 @@ struct ImageKernels {
           // The same integers as (3 (a2-a0) + 10 (b2-b0) + 3 (c2-c0)), below 2^12.
           const Shorts<N> diagonal = c2 - a0;
           const Shorts<N> other = a2 - c0;
-          const Shorts<N> gx = 3 * (diagonal + other) + 10 * (b2 - b0);
-          const Shorts<N> gy = 3 * (diagonal - other) + 10 * (c1 - a1);
-          const F fx = floats(gx) * (1.0F / 32);
-          const F fy = floats(gy) * (1.0F / 32);
-          store<N>(xx + u, fx * fx);
-          store<N>(xy + u, fx * fy);
-          store<N>(yy + u, fy * fy);
+          const F fx = floats(3 * (diagonal + other) + 10 * (b2 - b0));
+          const F fy = floats(3 * (diagonal - other) + 10 * (c1 - a1));
+          // Exact, being integers below 2^24.
+          store<N>(products[0] + u, fx * fx);
+          store<N>(products[1] + u, fx * fy);
+          store<N>(products[2] + u, fy * fy);
         });
   }
 
+  // The binomial window over seven values. With kDown = 32 * 32, of products in gradient_row()'s
+  // units: powers of two do not change how sums are rounded.
+  template <int kDown>
   static ZENITH_INLINE F window(const F& m3, const F& m2, const F& m1, const F& m0, const F& p1,
                                 const F& p2, const F& p3) {
-    return (1.0F / 64) * (m3 + p3) + (6.0F / 64) * (m2 + p2) + (15.0F / 64) * (m1 + p1) +
-           (20.0F / 64) * m0;
+    return (1.0F / (64 * kDown)) * (m3 + p3) + (6.0F / (64 * kDown)) * (m2 + p2) +
+           (15.0F / (64 * kDown)) * (m1 + p1) + (20.0F / (64 * kDown)) * m0;
   }
   static ZENITH_INLINE F window_along(const float* p) {
-    return window(load<N>(p - 3), load<N>(p - 2), load<N>(p - 1), load<N>(p), load<N>(p + 1),
-                  load<N>(p + 2), load<N>(p + 3));
+    return window<1>(load<N>(p - 3), load<N>(p - 2), load<N>(p - 1), load<N>(p), load<N>(p + 1),
+                     load<N>(p + 2), load<N>(p + 3));
   }
 
-  // Row by row: products of one row, smoothed along it into one of seven kept rows; from seven of
-  // them a row of responses. All of it stays in the first cache.
+  // What harris() keeps: products of seven rows, and one row of them smoothed along the columns.
+  // Column 1 is where vectors are aligned.
+  struct HarrisRows {
+    float* rows[8][3];
+    HarrisRows(float* scratch, int n) {
+      const auto misplaced = reinterpret_cast<std::uintptr_t>(scratch) / 4 % 16;
+      float* at = scratch + (16 - misplaced) + 15;
+      for (auto& row : rows) {
+        for (float*& plane : row) {
+          plane = at;
+          at += (n + 15) / 16 * 16;
+        }
+      }
+    }
+    ZENITH_INLINE float* const (&products(int v))[3] { return rows[v % 7]; }
+    ZENITH_INLINE float* const (&smooth())[3] { return rows[7]; }
+  };
+
+  // Smoothes row v along its columns. `strong[k]`: whether block k from column 1 on has a trace
+  // from which a corner could come; the window's weights add up to one, so smoothing makes no
+  // trace larger than all of its neighbours'.
+  static ZENITH_INLINE void smooth_columns(HarrisRows& kept, int v, int n, float min_trace,
+                                           bool* strong) {
+    float* const(&to)[3] = kept.smooth();
+    const float* from[3][7];
+    for (int k = 0; k < 3; ++k) {
+      for (int row = 0; row < 7; ++row) from[k][row] = kept.products(v - 3 + row)[k];
+    }
+    cover(
+        1, n - 1, [&](int u) __attribute__((always_inline)) {
+          F sums[3];
+          for (int k = 0; k < 3; ++k) {
+            const float* const* r = from[k];
+            sums[k] =
+                window<1024>(load<N>(r[0] + u), load<N>(r[1] + u), load<N>(r[2] + u),
+                             load<N>(r[3] + u), load<N>(r[4] + u), load<N>(r[5] + u),
+                             load<N>(r[6] + u));
+            store<N>(to[k] + u, sums[k]);
+          }
+          strong[(u - 1 + N - 1) / N] = Ops::bits(sums[0] + sums[2] >= min_trace) != 0;
+        });
+  }
+
   static void harris(const std::uint8_t* image, std::ptrdiff_t stride, int n, float min_eigenvalue,
                      float* response, float* scratch) {
-    float* products = scratch;
-    const auto kept = [&](int v, int plane) __attribute__((always_inline)) {
-      return scratch + (3 + v % 7 * 3 + plane) * static_cast<std::ptrdiff_t>(n);
-    };
-    for (int v = 0; v < n; ++v) {
-      const bool edge = v < kHarrisEdge || v >= n - kHarrisEdge;
-      if (!edge) continue;
-      __builtin_memset(response + static_cast<std::ptrdiff_t>(v) * n, 0,
-                       static_cast<std::size_t>(n) * sizeof(float));
-    }
+    HarrisRows kept(scratch, n);
+    __builtin_memset(response, 0, static_cast<std::size_t>(n) * static_cast<std::size_t>(n) * 4);
+    // A little less, as floats are rounded.
+    const float min_trace = 2.0F * min_eigenvalue * (1.0F - 1e-5F);
+    bool strong[kMaxHarrisSize / N + 2];
     for (int v = 1; v < n - 1; ++v) {
-      gradient_row(image + v * stride, stride, n, products, products + n, products + 2 * n);
-      for (int plane = 0; plane < 3; ++plane) {
-        const float* from = products + static_cast<std::ptrdiff_t>(plane) * n;
-        float* to = kept(v, plane);
-        cover(
-            kHarrisEdge, n - kHarrisEdge, [&](int u) __attribute__((always_inline)) {
-              store<N>(to + u, window_along(from + u));
-            });
-      }
+      gradient_row(image + v * stride, stride, n, kept.products(v));
       // The row whose seven are there now.
       const int middle = v - 3;
       if (middle < kHarrisEdge) continue;
-      const float* rows[3][7];
-      for (int plane = 0; plane < 3; ++plane) {
-        for (int k = 0; k < 7; ++k) rows[plane][k] = kept(v - 6 + k, plane);
-      }
+      smooth_columns(kept, middle, n, min_trace, strong);
+      float* const(&smooth)[3] = kept.smooth();
       float* out = response + static_cast<std::ptrdiff_t>(middle) * n;
-      for (int u = 0; u < kHarrisEdge; ++u) out[u] = out[n - 1 - u] = 0.0F;
       cover(
           kHarrisEdge, n - kHarrisEdge, [&](int u) __attribute__((always_inline)) {
-            F sums[3];
-            for (int plane = 0; plane < 3; ++plane) {
-              const float* const* r = rows[plane];
-              sums[plane] =
-                  window(load<N>(r[0] + u), load<N>(r[1] + u), load<N>(r[2] + u), load<N>(r[3] + u),
-                         load<N>(r[4] + u), load<N>(r[5] + u), load<N>(r[6] + u));
-            }
-            store<N>(out + u, corner_response(sums[0], sums[1], sums[2], min_eigenvalue));
+            // Columns u - 3 to u + N + 2. The last block does not begin with one of strong's.
+            const int block = (u - kHarrisEdge) / N;
+            bool any = (u - kHarrisEdge) % N != 0;
+            for (int k = 0; k <= (N + 5) / N; ++k) any |= strong[block + k];
+            if (!any) return;
+            store<N>(out + u, corner_response(window_along(smooth[0] + u),
+                                              window_along(smooth[1] + u),
+                                              window_along(smooth[2] + u), min_eigenvalue));
           });
     }
   }
@@ -177,8 +203,7 @@ struct ImageKernels {
     return count;
   }
 
-  // --- patches
-  // ------------------------------------------------------------------------------------
+  // --- patches ---
 
   static constexpr int kParts = 16 / N;  // vectors in a row of sixteen
 
@@ -350,6 +375,12 @@ struct ImageKernels {
 
 // For instruction sets that cannot gather.
 struct LoadsOneByOne {
+  static ZENITH_INLINE Shorts<4> shorts(const std::uint8_t* from) {
+    return __builtin_convertvector(load<4>(from), Shorts<4>);
+  }
+  static ZENITH_INLINE Ints<4> ints(const Shorts<4>& s) {
+    return __builtin_convertvector(s, Ints<4>);
+  }
   static ZENITH_INLINE Ints<4> gather(const std::uint8_t* base, const Ints<4>& offsets) {
     Ints<4> out;
     for (int i = 0; i < 4; ++i) {

@@ -31,9 +31,10 @@ inline constexpr int kRemapReads = 4;
 
 // No response this near to the edge: three pixels of window, one of gradient.
 inline constexpr int kHarrisEdge = 4;
+inline constexpr int kMaxHarrisSize = 1024;
 // Floats of scratch memory for an image of size x size.
 constexpr std::size_t harris_scratch(int size) {
-  return 3 * static_cast<std::size_t>(size) * static_cast<std::size_t>(size);
+  return 3 * static_cast<std::size_t>(size) * static_cast<std::size_t>(size + 1) + 1024;
 }
 
 // A patch's corner is at least this far from every edge of the image.

@@ -25,8 +25,7 @@ void remap(const std::uint8_t* frame, std::ptrdiff_t stride, const RemapEntry* e
   }
 }
 
-// --- corners
-// ----------------------------------------------------------------------------------------
+// --- corners ---
 
 constexpr float kHarrisK = 0.04F;
 constexpr float kWindow[4] = {1.0F / 64, 6.0F / 64, 15.0F / 64, 20.0F / 64};  // from outside
@@ -60,46 +59,27 @@ float window(const float* p, std::ptrdiff_t step) {
          kWindow[2] * (p[-step] + p[step]) + kWindow[3] * p[0];
 }
 
-// Along the rows, in place.
-void smooth_rows(float* plane, int n) {
-  for (int v = 1; v < n - 1; ++v) {
-    float* row = plane + static_cast<std::ptrdiff_t>(v) * n;
-    float before[3] = {row[0], row[1], row[2]};
-    for (int u = 3; u < n - 3; ++u) {
-      const float here = row[u];
-      const float smooth = kWindow[0] * (before[0] + row[u + 3]) +
-                           kWindow[1] * (before[1] + row[u + 2]) +
-                           kWindow[2] * (before[2] + row[u + 1]) + kWindow[3] * here;
-      before[0] = before[1];
-      before[1] = before[2];
-      before[2] = here;
-      row[u] = smooth;
-    }
-  }
-}
-
 void harris(const std::uint8_t* image, std::ptrdiff_t stride, int n, float min_eigenvalue,
             float* response, float* scratch) {
-  float* xx = scratch;
-  float* xy = xx + static_cast<std::ptrdiff_t>(n) * n;
-  float* yy = xy + static_cast<std::ptrdiff_t>(n) * n;
-  gradient_products(image, stride, n, xx, xy, yy);
-  smooth_rows(xx, n);
-  smooth_rows(xy, n);
-  smooth_rows(yy, n);
-  for (int v = 0; v < n; ++v) {
-    for (int u = 0; u < n; ++u) {
-      const std::ptrdiff_t i = static_cast<std::ptrdiff_t>(v) * n + u;
-      response[i] = 0.0F;
-      if (std::min(u, v) < kHarrisEdge || std::max(u, v) >= n - kHarrisEdge) continue;
-      const float a = window(xx + i, n);
-      const float b = window(xy + i, n);
-      const float c = window(yy + i, n);
+  const std::ptrdiff_t plane = static_cast<std::ptrdiff_t>(n) * n;
+  float* products[3] = {scratch, scratch + plane, scratch + 2 * plane};
+  float* smooth[3] = {scratch + 3 * plane, scratch + 3 * plane + n, scratch + 3 * plane + 2 * n};
+  gradient_products(image, stride, n, products[0], products[1], products[2]);
+  std::fill_n(response, plane, 0.0F);
+  for (int v = kHarrisEdge; v < n - kHarrisEdge; ++v) {
+    // Along the columns, then along the row.
+    for (int k = 0; k < 3; ++k) {
+      for (int u = 1; u < n - 1; ++u) smooth[k][u] = window(products[k] + v * n + u, n);
+    }
+    for (int u = kHarrisEdge; u < n - kHarrisEdge; ++u) {
+      const float a = window(smooth[0] + u, 1);
+      const float b = window(smooth[1] + u, 1);
+      const float c = window(smooth[2] + u, 1);
       const float r = a * c - b * b - kHarrisK * (a + c) * (a + c);
       // Smaller eigenvalue >= min, without the root: det(A - min I) >= 0, tr >= 2 min.
       const bool strong = (a - min_eigenvalue) * (c - min_eigenvalue) - b * b >= 0.0F &&
                           a + c >= 2.0F * min_eigenvalue;
-      if (strong && r > 0.0F) response[i] = r;
+      if (strong && r > 0.0F) response[v * n + u] = r;
     }
   }
 }
@@ -118,8 +98,7 @@ int peaks(const float* response, int n, int border, std::int32_t* places, int ro
   return count;
 }
 
-// --- patches
-// ----------------------------------------------------------------------------------------
+// --- patches ---
 
 // Sums over columns are kept apart, sixteen of them, and added up at the end in this order.
 float total(const float (&lanes)[16]) {
