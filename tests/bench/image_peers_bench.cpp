@@ -60,7 +60,7 @@ void opencv_remap(benchmark::State& state) {
     benchmark::DoNotOptimize(out.data);
   }
 }
-BENCHMARK(opencv_remap)->Arg(0)->Arg(1)->Unit(benchmark::kMicrosecond);
+BENCHMARK(opencv_remap)->ArgName("kept")->Arg(0)->Arg(1)->Unit(benchmark::kMicrosecond);
 
 void opencv_corner_harris(benchmark::State& state) {
   cv::setNumThreads(1);
@@ -68,11 +68,14 @@ void opencv_corner_harris(benchmark::State& state) {
   const cv::Mat image = rectified();
   cv::Mat response;
   for (auto _ : state) {
-    cv::cornerHarris(image, response, 7, 3, 0.04);
+    cv::cornerHarris(image, response, static_cast<int>(state.range(1)), 3, 0.04);
     benchmark::DoNotOptimize(response.data);
   }
 }
-BENCHMARK(opencv_corner_harris)->Arg(0)->Arg(1)->Unit(benchmark::kMicrosecond);
+BENCHMARK(opencv_corner_harris)
+    ->ArgNames({"kept", "window"})
+    ->ArgsProduct({{0, 1}, {3, 7}})
+    ->Unit(benchmark::kMicrosecond);
 
 void opencv_good_features(benchmark::State& state) {
   cv::setNumThreads(1);
@@ -80,12 +83,16 @@ void opencv_good_features(benchmark::State& state) {
   const cv::Mat image = rectified();
   std::vector<cv::Point2f> corners;
   for (auto _ : state) {
-    cv::goodFeaturesToTrack(image, corners, 128, 0.01, 6.0, cv::noArray(), 7, true, 0.04);
+    cv::goodFeaturesToTrack(image, corners, 128, 0.01, 6.0, cv::noArray(),
+                            static_cast<int>(state.range(1)), true, 0.04);
     benchmark::DoNotOptimize(corners.data());
   }
   state.counters["corners"] = static_cast<double>(corners.size());
 }
-BENCHMARK(opencv_good_features)->Arg(0)->Arg(1)->Unit(benchmark::kMicrosecond);
+BENCHMARK(opencv_good_features)
+    ->ArgNames({"kept", "window"})
+    ->ArgsProduct({{0, 1}, {3, 7}})
+    ->Unit(benchmark::kMicrosecond);
 
 }  // namespace
 }  // namespace zenith::bench
