@@ -5,15 +5,14 @@
 
 #include <benchmark/benchmark.h>
 
-#include "platform/base/random.h"
 #include "slam/fleet/hough.h"
-#include "tests/bench/rendered_drive.h"
+#include "tests/bench/scattered_peer.h"
+#include "tests/support/arena_block.h"
 
 namespace zenith::bench {
 namespace {
 
 constexpr int kObserved = 60;
-constexpr int kLooks = 4;
 
 class FleetRig {
  public:
@@ -24,7 +23,6 @@ class FleetRig {
           hough_.layout(arena);
           matches_ = arena.take<OverlapMatches>(1);
         }) {
-    collect_looks();
     for (int i = 0; i < landmarks; ++i) add_landmark(static_cast<std::uint32_t>(i));
   }
 
@@ -34,38 +32,21 @@ class FleetRig {
   OverlapMatches& matches() { return matches_[0]; }
 
  private:
-  void collect_looks() {
-    ExtractorRig extractor(corridor_rooms().robot);
-    for (std::size_t i = 20; i < corridor_rooms().frames.size(); i += 5) {
-      for (const Feature& f : extractor->extract(corridor_rooms().image(i))) {
-        if (f.described) looks_.push_back(f);
-      }
-    }
-  }
-
   // The first landmarks are what the frame shows, around the origin with heading 0.
-  void add_landmark(std::uint32_t id) {
-    const Feature& f = looks_[id * 7 % looks_.size()];
+  void add_landmark(std::uint32_t index) {
+    LandmarkRecord r = scattered_.record(index);
+    const bool visible = index < kObserved;
+    const Feature& f = scattered_.look(index);
     const Eigen::Vector2d from_robot(2.25 * static_cast<double>(f.zx),
                                      2.25 * static_cast<double>(f.zy));
-    LandmarkRecord r;
-    r.id = id + 1;
-    r.revision = 1;
-    const bool visible = id < kObserved;
-    r.x_m = static_cast<float>(visible ? from_robot.x() : random_.uniform(-11.0, 11.0));
-    r.y_m = static_cast<float>(visible ? from_robot.y() : random_.uniform(-11.0, 11.0));
-    r.z_m = static_cast<float>(2.55 + 0.03 * random_.normal());
-    r.covariance_m2 = {1e-4F, 0.0F, 0.0F, 1e-4F, 0.0F, 4e-4F};
-    r.observations = 20;
-    for (std::uint8_t k = 0; k < kLooks; ++k) {
-      const Feature& look = k == 0 ? f : looks_[(id * 7 + k * 1009u) % looks_.size()];
-      r.appearances[k] = {look.compact.values, look.orientation_rad};
+    if (visible) {
+      r.x_m = static_cast<float>(from_robot.x());
+      r.y_m = static_cast<float>(from_robot.y());
     }
-    r.appearance_count = kLooks;
     if (!peer_.apply(r) || !visible) return;
     Observed o;
-    o.slot = static_cast<int>(id);
-    o.id = id + 1;
+    o.slot = static_cast<int>(index);
+    o.id = r.id;
     o.from_robot_m = from_robot;
     o.z_m = 2.55;
     o.z_sigma_m = 0.02;
@@ -74,8 +55,7 @@ class FleetRig {
     frame_.push_back(o);
   }
 
-  Random random_{3};
-  std::vector<Feature> looks_;
+  ScatteredPeer scattered_{3};
   ObservedFrame frame_;
   PeerLandmarkPool pool_;
   PeerMap peer_;
