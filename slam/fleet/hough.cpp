@@ -86,10 +86,17 @@ void HoughSearch::vote(const ObservedFrame& frame, const PeerMap& peer, const Ov
   const int steps = static_cast<int>(std::min(arc_rad, std::numbers::pi) / step);
   int last_x = -1;
   int last_y = -1;
+  // From the landmark to the circle's point, in cells, turned on by `step` each time.
+  const double scale = radius / kCell_m;
+  Eigen::Vector2d to(scale * std::cos(centre - steps * step),
+                     scale * std::sin(centre - steps * step));
+  const double c = std::cos(step);
+  const double s = std::sin(step);
+  const Eigen::Vector2d from = landmark / kCell_m;
   for (int k = -steps; k <= steps; ++k) {
-    const double phi = centre + k * step;
-    const int x = static_cast<int>(std::floor((landmark.x() + radius * std::cos(phi)) / kCell_m));
-    const int y = static_cast<int>(std::floor((landmark.y() + radius * std::sin(phi)) / kCell_m));
+    const int x = static_cast<int>(std::floor(from.x() + to.x()));
+    const int y = static_cast<int>(std::floor(from.y() + to.y()));
+    to = {c * to.x() - s * to.y(), s * to.x() + c * to.y()};
     if (x == last_x && y == last_y) continue;
     cell(x, y) += match.weight;
     last_x = x;
@@ -105,6 +112,46 @@ float HoughSearch::around(int x, int y) {
   return sum;
 }
 
+// The best peaks of the grid, `apart` cells or more from each other.
+void HoughSearch::find_peaks(int apart, Peaks& peaks) {
+  constexpr int kAtOnce = 16;  // most cells are empty
+  float least_votes = 0.0F;    // when `peaks` is full
+  for (int y = 0; y < kCells; ++y) {
+    const float* row = &cell(0, y);
+    for (int begin = 0; begin < kCells; begin += kAtOnce) {
+      float largest = 0.0F;
+      for (int x = begin; x < begin + kAtOnce; ++x) largest = std::max(largest, row[x]);
+      if (largest <= 0.0F) continue;
+      for (int x = begin; x < begin + kAtOnce; ++x) {
+        if (row[x] <= 0.0F) continue;
+        const Peak peak = {x, y, around(x, y)};
+        if (peak.votes <= least_votes) continue;
+        note_peak(peak, apart, peaks);
+        if (peaks.full()) least_votes = weakest(peaks)->votes;
+      }
+    }
+  }
+}
+
+HoughSearch::Peak* HoughSearch::weakest(Peaks& peaks) {
+  return std::min_element(peaks.begin(), peaks.end(),
+                          [](const Peak& a, const Peak& b) { return a.votes < b.votes; });
+}
+
+void HoughSearch::note_peak(const Peak& peak, int apart, Peaks& peaks) {
+  const auto near = std::find_if(peaks.begin(), peaks.end(), [&](const Peak& p) {
+    const int dx = std::abs(p.x - peak.x);
+    const int dy = std::abs(p.y - peak.y);
+    return std::min(dx, kCells - dx) <= apart && std::min(dy, kCells - dy) <= apart;
+  });
+  if (near != peaks.end()) {
+    if (peak.votes > near->votes) *near = peak;
+  } else if (!peaks.push_back(peak)) {
+    Peak* least = weakest(peaks);
+    if (least->votes < peak.votes) *least = peak;
+  }
+}
+
 void HoughSearch::find_places(const ObservedFrame& frame, const PeerMap& peer,
                               const OverlapMatches& matches, const HoughSettings& settings,
                               PlaceFixes& out) {
@@ -113,27 +160,8 @@ void HoughSearch::find_places(const ObservedFrame& frame, const PeerMap& peer,
   std::fill(grid_.begin(), grid_.end(), 0.0F);
   for (const OverlapMatch& m : matches) vote(frame, peer, m, settings.arc_deg * kDegree);
 
-  FixedVector<Peak, kPeaksTried> peaks;
-  const int apart = static_cast<int>(settings.peak_distance_m / kCell_m);
-  for (int y = 0; y < kCells; ++y) {
-    for (int x = 0; x < kCells; ++x) {
-      if (cell(x, y) <= 0.0F) continue;
-      const Peak peak = {x, y, around(x, y)};
-      const auto near = std::find_if(peaks.begin(), peaks.end(), [&](const Peak& p) {
-        const int dx = std::abs(p.x - x);
-        const int dy = std::abs(p.y - y);
-        return std::min(dx, kCells - dx) <= apart && std::min(dy, kCells - dy) <= apart;
-      });
-      if (near != peaks.end()) {
-        if (peak.votes > near->votes) *near = peak;
-      } else if (!peaks.push_back(peak)) {
-        auto* least =
-            std::min_element(peaks.begin(), peaks.end(),
-                             [](const Peak& a, const Peak& b) { return a.votes < b.votes; });
-        if (least->votes < peak.votes) *least = peak;
-      }
-    }
-  }
+  Peaks peaks;
+  find_peaks(static_cast<int>(settings.peak_distance_m / kCell_m), peaks);
   for (const Peak& peak : peaks) {
     const Eigen::Vector2d place((peak.x + 0.5) * kCell_m, (peak.y + 0.5) * kCell_m);
     PlaceFix fix = fix_place(frame, peer, matches, settings, place, kCells * kCell_m);

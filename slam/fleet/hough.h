@@ -59,6 +59,10 @@ class HoughSearch {
     return grid_[static_cast<std::size_t>((y & (kCells - 1)) * kCells + (x & (kCells - 1)))];
   }
   float around(int x, int y);
+  using Peaks = FixedVector<Peak, kPeaksTried>;
+  void find_peaks(int apart, Peaks& peaks);
+  static void note_peak(const Peak& peak, int apart, Peaks& peaks);
+  static Peak* weakest(Peaks& peaks);
 
   std::span<float> grid_;
 };

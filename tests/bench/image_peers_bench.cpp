@@ -9,7 +9,7 @@
 #include <benchmark/benchmark.h>
 #include <opencv2/imgproc.hpp>
 
-#include "slam/image/rectify.h"
+#include "tests/bench/opencv_maps.h"
 #include "tests/bench/rendered_drive.h"
 
 namespace zenith::bench {
@@ -25,38 +25,18 @@ void keep_memory(bool keep) {
 cv::Mat rectified() {
   static ExtractorRig extractor(corridor_rooms().robot);
   extractor->extract(corridor_rooms().image(kFrame));
-  const ImageView image = extractor->rectified();
-  return cv::Mat(image.height, image.width, CV_8U, const_cast<std::uint8_t*>(image.data),
-                 static_cast<std::size_t>(image.stride))
-      .clone();
+  return as_mat(extractor->rectified()).clone();
 }
 
 // With OpenCV's fixed-point maps, its faster kind.
 void opencv_remap(benchmark::State& state) {
   cv::setNumThreads(1);
   keep_memory(state.range(0) != 0);
-  const RobotConfig& robot = corridor_rooms().robot;
-  const Pinhole pinhole = Pinhole::from_fov(2.0944);
-  const Eigen::Matrix3d R = mount_rotation(robot.mount).transpose();
-  cv::Mat map_u(kRectifiedSize, kRectifiedSize, CV_32F);
-  cv::Mat map_v(kRectifiedSize, kRectifiedSize, CV_32F);
-  for (int v = 0; v < kRectifiedSize; ++v) {
-    for (int u = 0; u < kRectifiedSize; ++u) {
-      const Eigen::Vector2d m = pinhole.normalise(u, v);
-      const Eigen::Vector2d at = robot.lens.project(R * Eigen::Vector3d(m.x(), m.y(), 1.0));
-      map_u.at<float>(v, u) = static_cast<float>(at.x());
-      map_v.at<float>(v, u) = static_cast<float>(at.y());
-    }
-  }
-  cv::Mat fixed;
-  cv::Mat weights;
-  cv::convertMaps(map_u, map_v, fixed, weights, CV_16SC2);
-  const ImageView frame = corridor_rooms().image(kFrame);
-  const cv::Mat in(frame.height, frame.width, CV_8U, const_cast<std::uint8_t*>(frame.data),
-                   static_cast<std::size_t>(frame.stride));
+  const OpenCvMaps maps(corridor_rooms().robot);
+  const cv::Mat in = as_mat(corridor_rooms().image(kFrame));
   cv::Mat out;
   for (auto _ : state) {
-    cv::remap(in, out, fixed, weights, cv::INTER_LINEAR, cv::BORDER_CONSTANT);
+    cv::remap(in, out, maps.places, maps.weights, cv::INTER_LINEAR, cv::BORDER_CONSTANT);
     benchmark::DoNotOptimize(out.data);
   }
 }
