@@ -1,5 +1,6 @@
 #include "slam/slam.h"
 
+#include <algorithm>
 #include <cassert>
 #include <new>
 
@@ -68,6 +69,7 @@ void Slam::State::cooperate(bool used_frame) {
 
 void Slam::State::finish(bool used_frame, const Pose2& T_own_map) {
   Pose2 pose = mapper.pose().mean;
+  used_last = used_frame;
   if (used_frame) {
     used = now;
     has_used = true;
@@ -91,6 +93,28 @@ void Slam::State::finish(bool used_frame, const Pose2& T_own_map) {
 
 const StepOutput& Slam::output() const {
   return state_->output;
+}
+
+void Slam::look(Picture& out) const {
+  const State& s = *state_;
+  out.stamp = s.output.stamp;
+  out.used = s.used_last;
+  out.corners.clear();
+  if (s.features == nullptr) return;
+  const ImageView image = s.extractor.rectified();
+  std::copy_n(image.data, out.image.size(), out.image.begin());
+  for (const Feature& f : *s.features) out.corners.push_back({f.u_px, f.v_px});
+  // Without use the candidates are those of an older frame.
+  if (!out.used) return;
+  for (const Candidate& c : s.mapper.candidates()) {
+    if (c.corner < 0) continue;
+    SeenCorner& seen = out.corners[static_cast<std::size_t>(c.corner)];
+    const Eigen::Vector2d at = s.extractor.pinhole().pixel(c.m);
+    seen.landmark = s.mapper.map().info(c.slot).id;
+    seen.inlier = c.inlier;
+    seen.predicted_u_px = static_cast<float>(at.x());
+    seen.predicted_v_px = static_cast<float>(at.y());
+  }
 }
 
 StepCounters Slam::counters() const {

@@ -20,6 +20,7 @@
 #include "slam/geometry.h"
 #include "slam/image/image.h"
 #include "slam/parameters.h"
+#include "slam/picture.h"
 #include "slam/robot.h"
 #include "slam/wheels.h"
 
@@ -62,6 +63,8 @@ class Slam {
 
   // Of the last step.
   const StepOutput& output() const;
+  // What its frame showed. Copies 105 kB.
+  void look(Picture& out) const;
   StepCounters counters() const;
 
   // Own promoted landmarks, in rising id, into `out`; returns how many were written.

@@ -17,6 +17,7 @@ struct Slam::State {
   WheelHistory wheels;
   WheelTravel used;  // total travel at the last used frame
   bool has_used = false;
+  bool used_last = false;  // the last frame
   StepCounters counters;
   StepOutput output;
 

@@ -195,7 +195,8 @@ int run_daemon(const DaemonConfig& config, const std::filesystem::path& file,
   }
   log_report(report);
 
-  Housekeeping housekeeping(config, file, devices->description, *perception, *cooperation, notify);
+  Housekeeping housekeeping(config, file, devices->description, *perception, *cooperation,
+                            *exchange, notify);
   if (started) {
     housekeeping.start(monotonic_now());
     tell_ready(notify);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "platform/daemon/picture_lines.h"
 #include "platform/daemon/telemetry_lines.h"
 #include "platform/daemon/version.h"
 #include "platform/linux/clock.h"
@@ -13,6 +14,8 @@ namespace zenith {
 namespace {
 
 constexpr Duration kSecond = {1'000'000'000};
+constexpr Duration kRepair = {5 * kSecond.ns};
+constexpr Duration kPicturePeriod = {250'000'000};
 
 // Whether it is time, and if so when it is again.
 bool due(Time& next, Time now, Duration period) {
@@ -45,12 +48,13 @@ LiveSettings live_settings(const DaemonConfig& config) {
 
 Housekeeping::Housekeeping(DaemonConfig config, std::filesystem::path file,
                            const std::string& devices, Perception& perception,
-                           Cooperation& cooperation, ServiceNotify& notify)
+                           Cooperation& cooperation, Exchange& exchange, ServiceNotify& notify)
     : config_(std::move(config)),
       file_(std::move(file)),
       devices_(devices),
       perception_(perception),
       cooperation_(cooperation),
+      exchange_(exchange),
       notify_(notify) {}
 
 void Housekeeping::start(Time now) {
@@ -149,9 +153,12 @@ void Housekeeping::show_lights(Time now) {
 
 void Housekeeping::send_telemetry(Time now) {
   JsonLine hello;
-  write_hello(hello, config_.name, kVersion, devices_);
-  if (telemetry_.accept(hello.finish()) > 0) next_health_ = now;
+  write_hello(hello, config_.name, kVersion, devices_, started_);
+  const bool new_reader = telemetry_.accept(hello.finish()) > 0;
+  if (new_reader) next_health_ = now;
+  send_maps(now, new_reader);
   if (telemetry_.readers() == 0) return;
+  send_picture(now);
   if (report_.has_pose && report_.stamp != pose_told_ &&
       due(next_pose_, now, Duration::from_seconds(1.0 / config_.telemetry.rate_hz))) {
     pose_told_ = report_.stamp;
@@ -159,7 +166,40 @@ void Housekeeping::send_telemetry(Time now) {
     write_pose(pose, report_);
     telemetry_.send(pose.finish());
   }
-  if (!due(next_health_, now, kSecond)) return;
+  if (due(next_health_, now, kSecond)) send_second(now);
+}
+
+// The maps' news are taken in all the same: who comes later gets the whole.
+void Housekeeping::send_maps(Time now, bool new_reader) {
+  MapNews news;
+  while (exchange_.shown.pop(news)) maps_.note(news);
+  if (telemetry_.readers() == 0) return maps_.tell_nobody();
+  const bool lost = telemetry_.dropped() != dropped_;
+  if (new_reader || (lost && due(next_repair_, now, kRepair))) {
+    dropped_ = telemetry_.dropped();
+    maps_.tell_all();
+  }
+  maps_.tell([this](int slot) { return link_.name_of(slot); },
+             [this](std::string_view line) { telemetry_.send(line); });
+}
+
+void Housekeeping::send_picture(Time now) {
+  if (telemetry_.take_requests(now) && due(next_picture_, now, kPicturePeriod)) {
+    perception_.ask_picture();
+  }
+  const Picture* picture = perception_.next_picture();
+  if (picture == nullptr) return;
+  CornersLine corners;
+  write_corners(corners, *picture);
+  telemetry_.send_to_lookers(corners.finish(), now);
+  for (int row = 0; row < kRectifiedSize; row += kStripRows) {
+    StripLine strip;
+    write_strip(strip, *picture, row);
+    telemetry_.send_to_lookers(strip.finish(), now);
+  }
+}
+
+void Housekeeping::send_second(Time now) {
   JsonLine health;
   write_health(health, report_, health_, cooperation_.counters());
   telemetry_.send(health.finish());

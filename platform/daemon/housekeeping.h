@@ -10,6 +10,7 @@
 #include "platform/daemon/config.h"
 #include "platform/daemon/cooperation.h"
 #include "platform/daemon/health.h"
+#include "platform/daemon/map_lines.h"
 #include "platform/daemon/perception.h"
 #include "platform/daemon/telemetry_socket.h"
 #include "platform/linux/service_notify.h"
@@ -25,7 +26,8 @@ class Housekeeping {
  public:
   // All must outlive it. `file` is read again by reload().
   Housekeeping(DaemonConfig config, std::filesystem::path file, const std::string& devices,
-               Perception& perception, Cooperation& cooperation, ServiceNotify& notify);
+               Perception& perception, Cooperation& cooperation, Exchange& exchange,
+               ServiceNotify& notify);
 
   // Telemetry and lights. What does not work is logged; the daemon goes on.
   void start(Time now);
@@ -46,6 +48,9 @@ class Housekeeping {
   void show_lights(Time now);
   void make_lights(const LedSettings& settings);
   void send_telemetry(Time now);
+  void send_maps(Time now, bool new_reader);
+  void send_picture(Time now);
+  void send_second(Time now);
   void feed_watchdog(Time now);
   void tell_status(Time now);
   void note_manager(const Status& told);
@@ -56,9 +61,12 @@ class Housekeeping {
   const std::string devices_;
   Perception& perception_;
   Cooperation& cooperation_;
+  Exchange& exchange_;
   ServiceNotify& notify_;
 
   TelemetrySocket telemetry_;
+  MapLines maps_;
+  std::uint64_t dropped_ = 0;  // lines, when the maps were told again for them
   std::unique_ptr<LedOutput> leds_;
   Time started_;
   PerceptionReport report_;
@@ -76,6 +84,8 @@ class Housekeeping {
   Time next_leds_open_;
   Time next_pose_;
   Time next_health_;
+  Time next_picture_;
+  Time next_repair_;
   Time next_watchdog_;
   Time next_status_;
   Time pose_told_;

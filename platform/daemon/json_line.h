@@ -9,32 +9,33 @@
 
 namespace zenith {
 
-class JsonLine {
+template <std::size_t Room>
+class BasicJsonLine {
  public:
-  JsonLine() { put("{"); }
+  BasicJsonLine() { put("{"); }
 
-  JsonLine& text(std::string_view key, std::string_view value) {
+  BasicJsonLine& text(std::string_view key, std::string_view value) {
     name(key);
     quoted(value);
     return *this;
   }
-  JsonLine& number(std::string_view key, double value) {
+  BasicJsonLine& number(std::string_view key, double value) {
     name(key);
     digits(value);
     return *this;
   }
-  JsonLine& count(std::string_view key, unsigned long long value) {
+  BasicJsonLine& count(std::string_view key, unsigned long long value) {
     name(key);
     whole(value);
     return *this;
   }
-  JsonLine& flag(std::string_view key, bool value) {
+  BasicJsonLine& flag(std::string_view key, bool value) {
     name(key);
     put(value ? "true" : "false");
     return *this;
   }
   template <typename Numbers>
-  JsonLine& numbers(std::string_view key, const Numbers& values) {
+  BasicJsonLine& numbers(std::string_view key, const Numbers& values) {
     name(key);
     put("[");
     bool first = true;
@@ -48,13 +49,13 @@ class JsonLine {
   }
 
   // Objects within: begin(key) ... end().
-  JsonLine& begin(std::string_view key) {
+  BasicJsonLine& begin(std::string_view key) {
     name(key);
     put("{");
     comma_ = false;
     return *this;
   }
-  JsonLine& end() {
+  BasicJsonLine& end() {
     put("}");
     comma_ = true;
     return *this;
@@ -102,10 +103,12 @@ class JsonLine {
     if (fits_) size_ += piece.copy(text_.data() + size_, piece.size());
   }
 
-  std::array<char, 4096> text_;
+  std::array<char, Room> text_;
   std::size_t size_ = 0;
   bool comma_ = false;
   bool fits_ = true;
 };
+
+using JsonLine = BasicJsonLine<4096>;
 
 }  // namespace zenith

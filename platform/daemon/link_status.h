@@ -10,6 +10,7 @@
 #include "platform/link/link_report.h"
 #include "slam/capacity.h"
 #include "slam/exchange/interface.h"
+#include "slam/geometry.h"
 
 namespace zenith {
 
@@ -23,6 +24,8 @@ struct LinkPeer {
   bool complete = false;  // all that it told of is here
   std::uint32_t landmarks = 0;
   bool quarantined = false;
+  bool has_pose = false;  // it told
+  Pose2 T_start_robot;    // in its own start frame
 };
 
 struct LinkStatus {

@@ -184,6 +184,7 @@ void Perception::use_frame() {
   wheels_.clear();
   receive_peers();
   publish();
+  if (picture_asked_.load(std::memory_order_relaxed)) leave_picture();
 
   report_.stamp = output.stamp;
   report_.T_start_robot = output.T_start_robot;
@@ -201,6 +202,8 @@ void Perception::use_frame() {
   const Time end = monotonic_now();
   const Duration cpu = {thread_cpu_time().ns - cpu_start.ns};
   deadlines_.note(end - start, cpu, end - output.stamp, period_);
+  report_.step = end - start;
+  report_.period = period_;
   note_load(end - start);
   if (!report_.has_pose) tell(PerceptionEventKind::kFirstPose);
   report_.has_pose = true;
@@ -242,6 +245,12 @@ void Perception::publish() {
   const std::size_t count =
       slam_->publish(std::span(records_).first(std::min(room, records_.size())));
   for (std::size_t i = 0; i < count; ++i) exchange_.own.push(records_[i]);
+}
+
+void Perception::leave_picture() {
+  picture_asked_.store(false, std::memory_order_relaxed);
+  slam_->look(pictures_.back());
+  pictures_.publish();
 }
 
 void Perception::note_alignments() {

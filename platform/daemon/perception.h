@@ -60,6 +60,11 @@ class Perception {
   // One reader, and one writer, each.
   bool next_event(PerceptionEvent& out) { return events_.pop(out); }
   void set_live(const LiveSettings& live);
+  // Somebody looks: the next step leaves what it saw. Else pictures cost the thread one load a
+  // frame.
+  void ask_picture() { picture_asked_.store(true, std::memory_order_relaxed); }
+  // One reader: the picture that came since the last call, or nullptr. Valid until the next call.
+  const Picture* next_picture() { return pictures_.fetch() ? &pictures_.front() : nullptr; }
 
   std::size_t memory_bytes() const { return memory_.span().size(); }
 
@@ -76,6 +81,7 @@ class Perception {
   void use_frame();
   void receive_peers();
   void publish();
+  void leave_picture();
   void note_alignments();
   void note_load(Duration wall);
   void write_report(Time now);
@@ -106,6 +112,8 @@ class Perception {
   Snapshot<PerceptionReport> reports_;
   SpscQueue<PerceptionEvent, 64> events_;
   TripleBuffer<LiveSettings> new_live_;
+  TripleBuffer<Picture> pictures_;
+  std::atomic<bool> picture_asked_ = false;
   std::atomic<std::uint64_t> heartbeat_ = 0;
 };
 

@@ -39,6 +39,8 @@ struct PerceptionReport {
   int candidates = 0;
   int matched = 0;
   int inliers = 0;
+  Duration step = {0};    // what it took
+  Duration period = {0};  // what it may take
   FixedVector<PeerReport, kMaxPeers> peers;
 
   bool camera_up = false;

@@ -174,11 +174,13 @@ std::size_t RadioLink::room(int slot) {
   if (slot < 0 || slot >= kMaxPeers) return 0;
   tell_forgotten();
   if (forgotten_[static_cast<std::size_t>(slot)]) return 0;
-  return Exchange::kRecords - exchange_.peers.size();
+  return std::min(Exchange::kRecords - exchange_.peers.size(), exchange_.room_to_show());
 }
 
 void RadioLink::take(int slot, const LandmarkRecord& record) {
-  records_received_ += exchange_.peers.push({slot, PeerNews::Kind::kRecord, record}) ? 1 : 0;
+  if (!exchange_.peers.push({slot, PeerNews::Kind::kRecord, record})) return;
+  exchange_.shown.push(map_news(slot, record));
+  ++records_received_;
 }
 
 void RadioLink::forget(int slot) {
@@ -190,8 +192,11 @@ void RadioLink::forget(int slot) {
 
 void RadioLink::tell_forgotten() {
   for (std::size_t slot = 0; slot < forgotten_.size(); ++slot) {
-    if (!forgotten_[slot]) continue;
-    forgotten_[slot] = !exchange_.peers.push({static_cast<int>(slot), PeerNews::Kind::kForget, {}});
+    if (!forgotten_[slot] || exchange_.room_to_show() == 0) continue;
+    const int peer = static_cast<int>(slot);
+    if (!exchange_.peers.push({peer, PeerNews::Kind::kForget, {}})) continue;
+    exchange_.shown.push({peer, MapNews::Kind::kForget});
+    forgotten_[slot] = false;
   }
 }
 
@@ -244,13 +249,19 @@ void RadioLink::write_status(LinkStatus& out, Time now) const {
   for (int i = 0; i < kMaxSessions; ++i) {
     const Session* session = peers_.sessions().session(i);
     if (session == nullptr || !session->is_peer()) continue;
-    LinkPeer peer = {session->name, session->id.robot, session->address, session->heard};
+    LinkPeer peer;
+    peer.name = session->name;
+    peer.robot = session->id.robot;
+    peer.address = session->address;
+    peer.heard = session->heard;
     peer.slot = peers_.synchroniser().slot_of(i);
     peer.quarantined = peers_.synchroniser().quarantined(now, session->id.robot);
     if (peer.slot >= 0) {
       const exchange::PeerStatus& map = peers_.synchroniser().peer(peer.slot);
       peer.complete = map.complete;
       peer.landmarks = map.landmarks;
+      peer.has_pose = map.heard;
+      peer.T_start_robot = map.state.T_start_robot;
     }
     out.peers.push_back(peer);
   }

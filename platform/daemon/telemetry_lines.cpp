@@ -85,8 +85,12 @@ void write_histogram(JsonLine& line, std::string_view key, const LatencyHistogra
 }  // namespace
 
 void write_hello(JsonLine& line, std::string_view robot, std::string_view version,
-                 std::string_view devices) {
-  line.text("type", "hello").text("robot", robot).text("version", version).text("devices", devices);
+                 std::string_view devices, Time started) {
+  line.text("type", "hello")
+      .text("robot", robot)
+      .text("version", version)
+      .text("devices", devices)
+      .count("started_ns", ns_of(started));
 }
 
 void write_pose(JsonLine& line, const PerceptionReport& report) {
@@ -98,7 +102,9 @@ void write_pose(JsonLine& line, const PerceptionReport& report) {
       .number("corners", report.corners)
       .number("candidates", report.candidates)
       .number("matched", report.matched)
-      .number("inliers", report.inliers);
+      .number("inliers", report.inliers)
+      .number("step_ms", report.step.seconds() * 1e3)
+      .number("period_ms", report.period.seconds() * 1e3);
 }
 
 void write_alignment(JsonLine& line, const PeerReport& peer, std::string_view name, Time stamp) {
@@ -192,6 +198,7 @@ void write_peer(JsonLine& line, const LinkPeer& peer, Time now) {
       .flag("complete", peer.complete)
       .count("landmarks", peer.landmarks)
       .flag("quarantined", peer.quarantined);
+  if (peer.has_pose) line.numbers("pose", numbers_of(peer.T_start_robot));
 }
 
 void write_deadlines(JsonLine& line, const Deadlines& deadlines) {

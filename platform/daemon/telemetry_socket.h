@@ -2,6 +2,8 @@
 // A local socket that tells whoever connects: AF_UNIX, SOCK_SEQPACKET, one packet a line. Nobody
 // who reads can hold the daemon up: a line that a reader has no room for is dropped for it.
 //
+// A reader may say one thing: "picture" in a packet asks for pictures during the next kLookLasts.
+//
 // For a thread without deadlines, one thread at a time.
 
 #include <array>
@@ -10,6 +12,7 @@
 #include <string_view>
 
 #include "platform/base/result.h"
+#include "platform/base/time.h"
 #include "platform/linux/unique_fd.h"
 
 namespace zenith {
@@ -17,6 +20,7 @@ namespace zenith {
 class TelemetrySocket {
  public:
   static constexpr std::size_t kReaders = 8;  // further ones are turned away
+  static constexpr Duration kLookLasts = {3'000'000'000};
 
   TelemetrySocket() = default;
   TelemetrySocket(const TelemetrySocket&) = delete;
@@ -32,16 +36,24 @@ class TelemetrySocket {
   std::size_t accept(std::string_view hello);
   // To all readers; forgets those that left.
   void send(std::string_view line);
+  // What readers ask. True when any wants pictures.
+  bool take_requests(Time now);
+  // To those that want pictures.
+  void send_to_lookers(std::string_view line, Time now);
 
   std::size_t readers() const;
   std::uint64_t dropped() const { return dropped_; }  // lines, over all readers
 
  private:
-  void send_to(UniqueFd& reader, std::string_view line);
+  struct Reader {
+    UniqueFd fd;
+    Time looks_until;
+  };
+  void send_to(Reader& reader, std::string_view line);
 
   std::string path_;
   UniqueFd listener_;
-  std::array<UniqueFd, kReaders> readers_;
+  std::array<Reader, kReaders> readers_;
   std::uint64_t dropped_ = 0;
 };
 

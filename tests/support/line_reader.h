@@ -36,6 +36,9 @@ class LineReader {
   // The daemon has left.
   bool ended() const { return ended_; }
 
+  // To the daemon.
+  void say(const std::string& text) { (void)::send(fd_, text.data(), text.size(), MSG_NOSIGNAL); }
+
   // The next line; empty when there is none in time, or the daemon has left.
   std::string next(Duration limit = {10'000'000'000}) {
     constexpr std::int64_t kSecond_ns = 1'000'000'000;

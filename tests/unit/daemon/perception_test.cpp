@@ -97,6 +97,35 @@ TEST(Perception, MakesPosesOfFramesAndWheels) {
   EXPECT_GT(rig.perception.deadlines().wake_up.count(), 0u);
 }
 
+TEST(Perception, LeavesAPictureForWhoAsksAndOnlyThen) {
+  PerceptionRig rig;
+  rig.start();
+  ASSERT_TRUE(rig.wait_for([](const auto& r) { return r.steps.frames >= 10 && r.inliers > 0; }));
+  EXPECT_EQ(rig.perception.next_picture(), nullptr);
+  rig.perception.ask_picture();
+  const Picture* picture = nullptr;
+  ASSERT_TRUE(rig.wait_for([&](const auto&) {
+    picture = rig.perception.next_picture();
+    return picture != nullptr;
+  }));
+  rig.stop();
+  EXPECT_GT(picture->corners.size(), 10u);
+  const auto [dark, bright] = std::minmax_element(picture->image.begin(), picture->image.end());
+  EXPECT_GT(*bright - *dark, 50);
+  EXPECT_EQ(rig.perception.next_picture(), nullptr) << "one was asked for";
+  EXPECT_EQ(rig.heap_calls, 0u);
+  ASSERT_TRUE(picture->used);
+  int inliers = 0;
+  for (const SeenCorner& c : picture->corners) {
+    if (!c.inlier) continue;
+    ++inliers;
+    EXPECT_GT(c.landmark, 0u);
+    EXPECT_NEAR(c.predicted_u_px, c.u_px, 40.0F);
+    EXPECT_NEAR(c.predicted_v_px, c.v_px, 40.0F);
+  }
+  EXPECT_GT(inliers, 0);
+}
+
 TEST(Perception, TakesNothingFromTheHeap) {
   if (!HeapGuard::works()) GTEST_SKIP() << "a sanitizer has the heap";
   {

@@ -97,6 +97,29 @@ TEST_F(TelemetryTest, ReplacesWhatIsLeftBehindButNotAListener) {
   EXPECT_FALSE(std::filesystem::exists(path_));
 }
 
+TEST_F(TelemetryTest, TellsPicturesToThoseWhoAskedAndForAWhile) {
+  TelemetrySocket socket;
+  ASSERT_TRUE(socket.open(path_).ok());
+  LineReader looks(path_);
+  LineReader reads(path_);
+  socket.accept("hello\n");
+  const Time now{1'000'000'000'000};
+  EXPECT_FALSE(socket.take_requests(now));
+  looks.say("picture\n");
+  reads.say("something else");
+  EXPECT_TRUE(socket.take_requests(now));
+  EXPECT_FALSE(socket.take_requests(now + TelemetrySocket::kLookLasts));
+  looks.say("picture");
+  EXPECT_TRUE(socket.take_requests(now));
+  LineReader late(path_);
+  socket.accept("hello\n");
+  socket.send_to_lookers("a picture\n", now);
+  socket.send("a line\n");
+  for (LineReader* reader : {&looks, &late}) EXPECT_EQ(reader->next(), "hello\n");
+  EXPECT_EQ(looks.next(), "a picture\n");
+  EXPECT_EQ(late.next(), "a line\n");
+}
+
 TEST_F(TelemetryTest, SaysWhyItCannotOpen) {
   TelemetrySocket socket;
   const Status missing = socket.open("/no/such/folder/t.sock");
