@@ -21,7 +21,8 @@ its folder; the robots tell each other their landmarks at once. The same recordi
 parameters give the same output, bit for bit, but for times of computation.
 
 OUT holds summary.json, map.png, confidence.png and for each robot trajectory.tum, landmarks.csv,
-alignments.csv and confidence.csv. It appears when everything is written.
+alignments.csv and confidence.csv. It appears when everything is written. `zenith view OUT` plays
+it in a browser.
 
 With --joint a robot that merges with another one takes it into its own filter: one map, updated
 with what all of them see at the same time (the paper's Eq. 2-3). Trajectories stay in each robot's

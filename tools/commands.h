@@ -19,6 +19,9 @@ void add_doctor_command(CLI::App& app, int& exit_code);
 void add_demo_command(CLI::App& app, int& exit_code);
 void add_descriptors_command(CLI::App& app, int& exit_code);
 void add_key_command(CLI::App& app, int& exit_code);
+void add_view_command(CLI::App& app, int& exit_code);
+void add_telemetry_command(CLI::App& app, int& exit_code);
+void add_metrics_command(CLI::App& app, int& exit_code);
 
 // `--set key=value`, once or several times.
 void add_set_option(CLI::App& command, std::vector<std::string>& assignments);

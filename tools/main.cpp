@@ -16,10 +16,12 @@ constexpr const char* kFooter =
   zenith demo                          two robots, one map, a picture: no hardware needed
   zenith sim corridor-rooms --out rec  write simulated recordings
   zenith replay rec/* --out out        map them, together
+  zenith view out                      look at it in a browser
   zenith eval corridor-rooms           figures against the ground truth
 
 On a robot:
   zenith doctor --config zenith.toml   what is wrong, and what to do
+  zenith view                          look at it in a browser
   zenith record rec/anna               record what the running zenithd sees
 
 `zenith COMMAND --help` explains a command with examples; `zenith --parameters` lists what
@@ -48,6 +50,9 @@ int run(int argc, char** argv) {
   add_replay_command(app, exit_code);
   add_eval_command(app, exit_code);
   add_key_command(app, exit_code);
+  add_view_command(app, exit_code);
+  add_telemetry_command(app, exit_code);
+  add_metrics_command(app, exit_code);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

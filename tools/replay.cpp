@@ -7,6 +7,8 @@
 #include "tools/report/files.h"
 #include "tools/report/map_picture.h"
 #include "tools/runner/team_run.h"
+#include "tools/view/timeline.h"
+#include "tools/view/timeline_writer.h"
 
 namespace zenith::tools {
 namespace {
@@ -44,9 +46,14 @@ Result<ReplayResult> replay(const ReplayPlan& plan, const std::filesystem::path&
   const auto report = [&](int done, int total) {
     if (progress) progress(static_cast<double>(done) / total);
   };
-  const auto log =
-      run_team(*sources, {plan.parameters, plan.seed, MapSharing::kAsSent, plan.joint}, report);
+  std::vector<std::string> names;
+  for (const auto& source : *sources) names.push_back(source->name());
+  TimelineWriter timeline(folder / kTimelineFile, names);
+  const auto note = [&](std::size_t robot, Member& member) { timeline.note(robot, member); };
+  const auto log = run_team(
+      *sources, {plan.parameters, plan.seed, MapSharing::kAsSent, plan.joint, note}, report);
   if (!log.ok()) return log.error();
+  if (const Status written = timeline.finish(); !written) return written.error();
   ReplayResult result;
   result.figures = judge(*log);
   RunDescription run;

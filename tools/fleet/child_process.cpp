@@ -19,23 +19,45 @@ ChildProcess::~ChildProcess() {
   stop();
 }
 
-Result<ChildProcess> ChildProcess::start(const std::vector<std::string>& words,
-                                         const std::filesystem::path& errors) {
+namespace {
+
+// Returns 0, or the error.
+int spawn(pid_t& pid, const std::vector<std::string>& words,
+          const posix_spawn_file_actions_t& actions) {
   std::vector<char*> arguments;
   for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
   arguments.push_back(nullptr);
+  const int error =
+      ::posix_spawnp(&pid, arguments[0], &actions, nullptr, arguments.data(), environ);
+  if (error != 0) pid = 0;
+  return error;
+}
+
+}  // namespace
+
+Result<ChildProcess> ChildProcess::start(const std::vector<std::string>& words,
+                                         const std::filesystem::path& errors) {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, errors.c_str(),
                                    O_WRONLY | O_CREAT | O_TRUNC, 0644);
   ChildProcess child;
-  const int error =
-      ::posix_spawn(&child.pid_, arguments[0], &actions, nullptr, arguments.data(), environ);
+  const int error = spawn(child.pid_, words, actions);
   posix_spawn_file_actions_destroy(&actions);
-  if (error != 0) {
-    child.pid_ = 0;
-    return Error{words[0] + ": " + errno_text(error)};
-  }
+  if (error != 0) return Error{words[0] + ": " + errno_text(error)};
+  return child;
+}
+
+Result<ChildProcess> ChildProcess::start_talking(const std::vector<std::string>& words,
+                                                 int socket) {
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_adddup2(&actions, socket, STDIN_FILENO);
+  posix_spawn_file_actions_adddup2(&actions, socket, STDOUT_FILENO);
+  ChildProcess child;
+  const int error = spawn(child.pid_, words, actions);
+  posix_spawn_file_actions_destroy(&actions);
+  if (error != 0) return Error{words[0] + ": " + errno_text(error)};
   return child;
 }
 

@@ -22,6 +22,10 @@ class ChildProcess {
   static Result<ChildProcess> start(const std::vector<std::string>& words,
                                     const std::filesystem::path& errors);
 
+  // A program that is looked for in PATH, whose standard input and output are `socket`; its
+  // standard error is this program's.
+  static Result<ChildProcess> start_talking(const std::vector<std::string>& words, int socket);
+
   bool is_running();
   // Asks it to end, and waits some seconds; then it is ended.
   void stop();

@@ -110,15 +110,16 @@ class JointRun {
 
 }  // namespace
 
-Result<JointLog> run_joint(Team& team, const Parameters& parameters, int total,
+Result<JointLog> run_joint(Team& team, const RunOptions& options, int total,
                            const RunProgress& progress) {
-  JointRun run(team, parameters);
+  JointRun run(team, options.parameters);
   int done = 0;
   for (auto robots = run.next_step(); !robots.empty(); robots = run.next_step()) {
     run.step(robots);
     run.share(robots);
     run.join(robots);
     for (const int i : robots) {
+      if (options.after_step) options.after_step(static_cast<std::size_t>(i), *team[i]);
       if (const auto more = team[i]->advance(); !more.ok()) return more.error();
       if (progress) progress(++done, total);
     }

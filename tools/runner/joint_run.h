@@ -14,7 +14,7 @@
 namespace zenith::tools {
 
 // Every member has its first frame. `total` frames for the progress.
-Result<JointLog> run_joint(Team& team, const Parameters& parameters, int total,
+Result<JointLog> run_joint(Team& team, const RunOptions& options, int total,
                            const RunProgress& progress);
 
 }  // namespace zenith::tools

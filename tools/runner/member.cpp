@@ -75,17 +75,23 @@ void Member::to_start_frame(LandmarkEstimate& landmark) const {
   landmark.covariance_m2 = R * landmark.covariance_m2 * R.transpose();
 }
 
+std::vector<LandmarkEstimate> Member::landmarks() const {
+  std::vector<LandmarkEstimate> landmarks(kMaxLandmarks);
+  landmarks.resize(slam_->landmarks(landmarks));
+  if (partners_.empty()) return landmarks;
+  for (LandmarkEstimate& landmark : landmarks) to_start_frame(landmark);
+  return landmarks;
+}
+
 void Member::read_maps() {
-  log_.landmarks.resize(kMaxLandmarks);
-  log_.landmarks.resize(slam_->landmarks(log_.landmarks));
+  log_.landmarks = landmarks();
   if (partners_.empty()) {
     log_.fused.resize(std::size_t{kMaxLandmarks} + kPeerLandmarkPool);
     log_.fused.resize(slam_->fused_landmarks(log_.fused));
     return;
   }
   // One map for all: what a leader read of its partners before they were one is in it already.
-  for (LandmarkEstimate& landmark : log_.landmarks) {
-    to_start_frame(landmark);
+  for (const LandmarkEstimate& landmark : log_.landmarks) {
     log_.fused.push_back({landmark, static_cast<int>(partners_.size()) + 1, -1});
   }
 }

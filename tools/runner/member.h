@@ -33,12 +33,17 @@ class Member {
   void log_step(double step_s);
 
   Slam& slam() { return *slam_; }
+  const Slam& slam() const { return *slam_; }
   const std::string& name() const { return log_.name; }
   double frame_period_s() const { return 1.0 / source_.config().frame_rate_hz; }
 
   // From now on this robot is in one filter with others, whose map is in the start frame of their
   // leader; `peers` are its alignments with them.
   void share_filter(const Pose2& T_leader_start, std::vector<PeerLog> peers);
+
+  // After a step: its log, and the own landmarks in the robot's own start frame.
+  const FrameLog& last_frame() const { return log_.frames.back(); }
+  std::vector<LandmarkEstimate> landmarks() const;
 
   // The log, completed with the final map. Call once.
   RobotLog finish();

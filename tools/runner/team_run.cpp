@@ -39,11 +39,12 @@ std::vector<int> all_but(const Team& team, int robot) {
 }
 
 // Every robot its own filter. Returns the first failure of a source.
-Status run_apart(Team& team, MapSharing sharing, int total, const RunProgress& progress) {
+Status run_apart(Team& team, const RunOptions& options, int total, const RunProgress& progress) {
   int done = 0;
   for (int i = next_to_step(team); i >= 0; i = next_to_step(team)) {
     team[i]->step();
-    tell_peers(team, i, all_but(team, i), sharing);
+    tell_peers(team, i, all_but(team, i), options.sharing);
+    if (options.after_step) options.after_step(static_cast<std::size_t>(i), *team[i]);
     if (const auto more = team[i]->advance(); !more.ok()) return more.error();
     if (progress) progress(++done, total);
   }
@@ -67,11 +68,11 @@ Result<TeamLog> run_team(std::span<const std::unique_ptr<Source>> sources,
   TeamLog log;
   if (options.joint) {
     if (const Status checked = check_cameras(sources); !checked) return checked.error();
-    auto joint = run_joint(team, options.parameters, total, progress);
+    auto joint = run_joint(team, options, total, progress);
     if (!joint.ok()) return joint.error();
     log.joint = std::move(*joint);
   } else {
-    const Status ran = run_apart(team, options.sharing, total, progress);
+    const Status ran = run_apart(team, options, total, progress);
     if (!ran) return ran.error();
   }
   for (auto& member : team) log.robots.push_back(member->finish());

@@ -16,11 +16,15 @@
 
 namespace zenith::tools {
 
+// Called after every step of a robot.
+using AfterStep = std::function<void(std::size_t robot, Member& member)>;
+
 struct RunOptions {
   Parameters parameters;
   std::uint64_t seed = 1;
   MapSharing sharing = MapSharing::kAsSent;
   bool joint = false;  // aligned robots go on in one filter; see joint_run.h
+  AfterStep after_step = {};
 };
 
 // Called after every frame with the frames done and the frames in all.

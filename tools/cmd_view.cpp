@@ -1,0 +1,152 @@
+// zenith view: what robots see and think, in a browser.
+
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "platform/linux/clock.h"
+#include "platform/linux/signals.h"
+#include "platform/recording/layout.h"
+#include "tools/commands.h"
+#include "tools/progress.h"
+#include "tools/replay.h"
+#include "tools/view/live.h"
+#include "tools/view/player.h"
+#include "tools/view/web_server.h"
+
+namespace zenith::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kHelp =
+    R"(Serves a page on this computer alone: the map as it grows, what the camera sees, how sure the
+robots are of each other, time, health and lights. It reads the daemon's telemetry socket; the daemon
+itself opens no port, and does nothing more while nobody looks. Foxglove Studio and Lichtblick connect
+to the same address as a WebSocket. Prometheus reads /metrics. docs/view.md has more.
+
+WHAT is one or several robots: a telemetry socket, ssh:HOST or ssh:HOST:SOCKET for a robot elsewhere
+(it runs `zenith telemetry` there); without any, the daemon on this computer. Or a replay: the output
+folder of `zenith replay` or `zenith demo --offline`, or recordings, which are mapped first.
+
+Examples:
+  zenith view
+  zenith view ssh:anna ssh:bert
+  zenith view out/demo
+  zenith view rec/anna rec/bert)";
+
+struct ViewCommand {
+  std::vector<std::string> what;
+  WebOptions web;
+};
+
+constexpr Duration kSlice = {50'000'000};
+
+// A temporary folder for recordings that are mapped only to be looked at.
+class MappedHere {
+ public:
+  ~MappedHere() {
+    std::error_code ignored;
+    if (!folder_.empty()) fs::remove_all(folder_, ignored);
+  }
+  Result<Timeline> map(const std::vector<std::string>& recordings) {
+    std::string pattern = (fs::temp_directory_path() / "zenith-view-XXXXXX").string();
+    if (::mkdtemp(pattern.data()) == nullptr) return Error{pattern + ": cannot be made"};
+    folder_ = pattern;
+    ReplayPlan plan;
+    for (const std::string& recording : recordings) plan.recordings.push_back(recording);
+    Progress progress("mapping");
+    const auto mapped = replay(plan, folder_, [&](double fraction) { progress.update(fraction); });
+    if (!mapped.ok()) return mapped.error();
+    return read_timeline(folder_ / kTimelineFile);
+  }
+
+ private:
+  fs::path folder_;
+};
+
+void print_address(const ViewCommand& command, int port) {
+  const std::string& bind = command.web.bind;
+  const std::string host = bind == "0.0.0.0" ? "localhost" : bind;
+  std::printf("Open http://%s:%d in a browser.   Foxglove: ws://%s:%d   Ctrl-C ends.\n",
+              host.c_str(), port, host.c_str(), port);
+  std::fflush(stdout);
+}
+
+int play(const ViewCommand& command, Timeline timeline, Signals& signals) {
+  FleetState state;
+  Player player(state, std::move(timeline));
+  const auto server =
+      WebServer::start(command.web, state, [&](const nlohmann::json& c) { player.control(c); });
+  if (!server.ok()) return fail(server.error());
+  print_address(command, (*server)->port());
+  Time before = monotonic_now();
+  while (signals.wait(kSlice) != SignalRequest::kStop) {
+    const Time now = monotonic_now();
+    player.play(now - before);
+    before = now;
+  }
+  return 0;
+}
+
+int listen(const ViewCommand& command, std::vector<RobotAddress> robots, Signals& signals) {
+  FleetState state;
+  Live live(state, std::move(robots));
+  const auto server = WebServer::start(command.web, state, {});
+  if (!server.ok()) return fail(server.error());
+  print_address(command, (*server)->port());
+  while (signals.wait({0}) != SignalRequest::kStop) live.turn(kSlice, signals.fd());
+  return 0;
+}
+
+bool is_recording(const std::string& path) {
+  return fs::exists(layout::frame_list(path));
+}
+
+int run_view(ViewCommand& command) {
+  std::vector<std::string>& what = command.what;
+  Signals signals;
+  if (const Status opened = signals.open(); !opened) return fail(opened.error());
+  if (what.size() == 1 && fs::is_directory(what[0]) && !is_recording(what[0])) {
+    auto timeline = read_timeline(fs::path(what[0]) / kTimelineFile);
+    if (!timeline.ok()) return fail(timeline.error());
+    return play(command, std::move(*timeline), signals);
+  }
+  if (!what.empty() && is_recording(what[0])) {
+    MappedHere here;
+    auto timeline = here.map(what);
+    if (!timeline.ok()) return fail(timeline.error());
+    return play(command, std::move(*timeline), signals);
+  }
+  if (what.empty()) what.push_back("");
+  std::vector<RobotAddress> robots;
+  for (const std::string& text : what) {
+    auto address = parse_robot_address(text);
+    if (!address.ok()) return fail(address.error());
+    robots.push_back(std::move(*address));
+  }
+  return listen(command, std::move(robots), signals);
+}
+
+}  // namespace
+
+void add_view_command(CLI::App& app, int& exit_code) {
+  const auto command = std::make_shared<ViewCommand>();
+  CLI::App* view = app.add_subcommand("view", "Look at robots, or a replay, in a browser");
+  view->footer(kHelp);
+  view->add_option("WHAT", command->what, "robots, or a replay");
+  view->add_option("--port", command->web.port, "where the page is; 0: any that is free")
+      ->check(CLI::Range(0, 65535))
+      ->capture_default_str();
+  view->add_option("--bind", command->web.bind,
+                   "address to listen at; another than this computer's shows the page to the "
+                   "network, without any protection")
+      ->capture_default_str();
+  view->add_option("--allow-origin", command->web.origins,
+                   "another web page that may read, such as https://app.foxglove.dev")
+      ->allow_extra_args(false);
+  view->callback([command, &exit_code] { exit_code = run_view(*command); });
+}
+
+}  // namespace zenith::tools

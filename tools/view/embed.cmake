@@ -1,0 +1,17 @@
+# cmake -DOUT=assets.cpp "-DFILES=a;b" -P embed.cmake: files as one source, see web_asset.h.
+set(text "// Made by embed.cmake.\n#include <array>\n#include \"tools/view/web_asset.h\"\n\nnamespace zenith::tools {\nnamespace {\n\n")
+set(table "")
+set(number 0)
+foreach(file IN LISTS FILES)
+  get_filename_component(name ${file} NAME)
+  file(READ ${file} bytes HEX)
+  string(LENGTH "${bytes}" length)
+  math(EXPR length "${length} / 2")
+  string(REGEX REPLACE "([0-9a-f][0-9a-f])" "'\\\\x\\1'," bytes "${bytes}")
+  string(APPEND text "constexpr char kFile${number}[] = {${bytes}};\n")
+  string(APPEND table "    {\"/${name}\", {kFile${number}, ${length}}},\n")
+  math(EXPR number "${number} + 1")
+endforeach()
+string(APPEND text "\nconstexpr std::array<WebAsset, ${number}> kAssets = {{\n${table}}};\n\n}  // namespace\n\n"
+  "std::span<const WebAsset> web_assets() {\n  return kAssets;\n}\n\n}  // namespace zenith::tools\n")
+file(WRITE ${OUT} "${text}")

@@ -1,0 +1,229 @@
+#include "tools/view/foxglove_session.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "platform/base/base64.h"
+#include "tools/report/canvas.h"
+#include "tools/view/placement.h"
+
+namespace zenith::tools {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::uint32_t kFrames = 1;
+constexpr std::uint32_t kPerRobot = 10;
+constexpr std::int64_t kSecond_ns = 1'000'000'000;
+
+std::uint32_t scene_of(std::size_t robot) {
+  return static_cast<std::uint32_t>(robot + 1) * kPerRobot;
+}
+std::uint32_t image_of(std::size_t robot) {
+  return scene_of(robot) + 1;
+}
+
+json stamp(std::int64_t ns) {
+  return {{"sec", ns / kSecond_ns}, {"nsec", ns % kSecond_ns}};
+}
+
+json turned(double yaw_rad) {
+  return {{"x", 0}, {"y", 0}, {"z", std::sin(yaw_rad / 2)}, {"w", std::cos(yaw_rad / 2)}};
+}
+
+json point(double x, double y, double z) {
+  return {{"x", x}, {"y", y}, {"z", z}};
+}
+
+json frame(std::int64_t ns, const std::string& parent, const std::string& child, const Pose2& T) {
+  return {{"timestamp", stamp(ns)},
+          {"parent_frame_id", parent},
+          {"child_frame_id", child},
+          {"translation", point(T.x_m, T.y_m, 0)},
+          {"rotation", turned(T.theta_rad)}};
+}
+
+json colour_of(std::size_t robot, double alpha) {
+  const Colour c = robot_colour(robot);
+  return {{"r", c.red / 255.0}, {"g", c.green / 255.0}, {"b", c.blue / 255.0}, {"a", alpha}};
+}
+
+json channel(std::uint32_t id, const std::string& topic, const std::string& schema) {
+  return {{"id", id},
+          {"topic", topic},
+          {"encoding", "json"},
+          {"schemaName", schema},
+          {"schemaEncoding", "jsonschema"},
+          {"schema", foxglove_schema(schema)}};
+}
+
+// Two sigma each way, large enough to be seen.
+double size_of(double variance) {
+  return std::max(0.05, 4.0 * std::sqrt(std::max(variance, 0.0)));
+}
+
+json spheres_of(const std::vector<RobotState::Row>& landmarks, std::size_t colour) {
+  json spheres = json::array();
+  for (const auto& [id, x, y, z, xx, xy, yy, zz, observations] : landmarks) {
+    spheres.push_back({{"pose", {{"position", point(x, y, z)}, {"orientation", turned(0)}}},
+                       {"size", point(size_of(xx), size_of(yy), size_of(zz))},
+                       {"color", colour_of(colour, 0.7)}});
+  }
+  return spheres;
+}
+
+json line_of(const Series<3>& path, std::size_t colour) {
+  json points = json::array();
+  for (std::size_t i = 0; i < path.size(); ++i) points.push_back(point(path[i][0], path[i][1], 0));
+  return {{"type", 0},
+          {"pose", {{"position", point(0, 0, 0)}, {"orientation", turned(0)}}},
+          {"thickness", 3},
+          {"scale_invariant", true},
+          {"points", points},
+          {"color", colour_of(colour, 1.0)},
+          {"colors", json::array()},
+          {"indices", json::array()}};
+}
+
+json entity(std::int64_t ns, const std::string& name, const std::string& what) {
+  json made = {{"timestamp", stamp(ns)},
+               {"frame_id", name + "/start"},
+               {"id", name + "/" + what},
+               {"lifetime", stamp(0)},
+               {"frame_locked", true}};
+  for (const char* kind : {"metadata", "arrows", "cubes", "spheres", "cylinders", "lines",
+                           "triangles", "texts", "models"}) {
+    made[kind] = json::array();
+  }
+  return made;
+}
+
+FoxgloveMessage text_message(const json& message) {
+  return {false, message.dump(-1, ' ', false, json::error_handler_t::replace)};
+}
+
+}  // namespace
+
+FoxgloveMessage FoxgloveSession::server_info() {
+  return text_message({{"op", "serverInfo"},
+                       {"name", "zenith view"},
+                       {"capabilities", json::array()},
+                       {"supportedEncodings", {"json"}}});
+}
+
+void FoxgloveSession::receive(std::string_view text) {
+  const json said = json::parse(text, nullptr, false);
+  if (!said.is_object()) return;
+  constexpr std::size_t kMost = 256;
+  try {
+    const std::string op = said.value("op", "");
+    if (op == "subscribe") {
+      for (const json& wish : said.at("subscriptions")) {
+        if (subscriptions_.size() >= kMost) return;
+        const auto wanted = wish.at("channelId").get<Channel>();
+        subscriptions_[wish.at("id").get<std::uint32_t>()] = wanted;
+        fresh_.insert(wanted);
+      }
+    } else if (op == "unsubscribe") {
+      for (const json& id : said.at("subscriptionIds")) {
+        subscriptions_.erase(id.get<std::uint32_t>());
+      }
+    }
+  } catch (const json::exception&) {
+    return;  // nothing of the protocol's
+  }
+}
+
+bool FoxgloveSession::subscribed(Channel wanted) const {
+  return std::any_of(subscriptions_.begin(), subscriptions_.end(),
+                     [wanted](const auto& entry) { return entry.second == wanted; });
+}
+
+bool FoxgloveSession::wants_picture(std::size_t robot) const {
+  return subscribed(image_of(robot));
+}
+
+// Robots are told of when their names are known, and once more when a name changes.
+std::optional<FoxgloveMessage> FoxgloveSession::advertise(const std::vector<RobotState>& robots) {
+  json channels = json::array();
+  if (advertised_.empty()) channels.push_back(channel(kFrames, "/tf", "foxglove.FrameTransform"));
+  for (std::size_t i = 0; i < robots.size(); ++i) {
+    if (robots[i].line("hello").is_null() || advertised_.count(i) > 0) continue;
+    const std::string& name = robots[i].name();
+    advertised_[i] = name;
+    channels.push_back(channel(scene_of(i), "/" + name + "/scene", "foxglove.SceneUpdate"));
+    channels.push_back(channel(image_of(i), "/" + name + "/image", "foxglove.CompressedImage"));
+  }
+  if (channels.empty() || advertised_.empty()) return std::nullopt;
+  return text_message({{"op", "advertise"}, {"channels", channels}});
+}
+
+void FoxgloveSession::put(std::vector<FoxgloveMessage>& out, Channel to, std::int64_t stamp_ns,
+                          const json& message) const {
+  const std::string payload = message.dump(-1, ' ', false, json::error_handler_t::replace);
+  for (const auto& [id, wanted] : subscriptions_) {
+    if (wanted != to) continue;
+    FoxgloveMessage data{true, std::string(1, '\x01')};
+    for (unsigned i = 0; i < 4; ++i) data.bytes += static_cast<char>(id >> (8 * i) & 0xffU);
+    const auto time = static_cast<std::uint64_t>(stamp_ns);
+    for (unsigned i = 0; i < 8; ++i) data.bytes += static_cast<char>(time >> (8 * i) & 0xffU);
+    data.bytes += payload;
+    out.push_back(std::move(data));
+  }
+}
+
+void FoxgloveSession::put_frames(std::vector<FoxgloveMessage>& out,
+                                 const std::vector<RobotState>& robots, std::int64_t now_ns) {
+  for (const auto& [name, T_map_start] : place_starts(robots)) {
+    put(out, kFrames, now_ns, frame(now_ns, "map", name + "/start", T_map_start));
+  }
+  for (const RobotState& robot : robots) {
+    if (robot.path().empty()) continue;
+    const json& pose = robot.line("pose").at("pose");
+    put(out, kFrames, now_ns,
+        frame(now_ns, robot.name() + "/start", robot.name() + "/base_link",
+              {pose[0], pose[1], pose[2]}));
+  }
+}
+
+void FoxgloveSession::put_scene(std::vector<FoxgloveMessage>& out,
+                                const std::vector<RobotState>& robots, std::size_t robot,
+                                std::int64_t now_ns) const {
+  const RobotState& own = robots[robot];
+  json marks = entity(now_ns, own.name(), "landmarks");
+  marks["spheres"] = spheres_of(own.landmarks(RobotState::kOwn), robot);
+  json path = entity(now_ns, own.name(), "path");
+  if (!own.path().empty()) path["lines"].push_back(line_of(own.path(), robot));
+  put(out, scene_of(robot), now_ns,
+      {{"deletions", json::array()}, {"entities", {std::move(marks), std::move(path)}}});
+}
+
+std::vector<FoxgloveMessage> FoxgloveSession::turn(std::int64_t now_ns,
+                                                   const std::vector<RobotState>& robots) {
+  std::vector<FoxgloveMessage> out;
+  if (auto channels = advertise(robots)) out.push_back(std::move(*channels));
+  put_frames(out, robots, now_ns);
+  const bool due = now_ns >= next_scene_ns_;
+  if (due) next_scene_ns_ = now_ns + kSecond_ns;
+  for (std::size_t i = 0; i < robots.size(); ++i) {
+    if (subscribed(scene_of(i)) && (due || fresh_.count(scene_of(i)) > 0)) {
+      put_scene(out, robots, i, now_ns);
+    }
+    const auto& picture = robots[i].picture();
+    if (!picture || !wants_picture(i)) continue;
+    if (pictures_[i] == picture->serial && fresh_.count(image_of(i)) == 0) continue;
+    pictures_[i] = picture->serial;
+    std::string data(base64_size(picture->jpeg.size()), ' ');
+    write_base64(picture->jpeg, data.data());
+    put(out, image_of(i), now_ns,
+        {{"timestamp", stamp(now_ns)},
+         {"frame_id", robots[i].name() + "/base_link"},
+         {"format", "jpeg"},
+         {"data", data}});
+  }
+  fresh_.clear();
+  return out;
+}
+
+}  // namespace zenith::tools

@@ -1,0 +1,40 @@
+#include "tools/view/live.h"
+
+#include <poll.h>
+
+#include "platform/linux/clock.h"
+
+namespace zenith::tools {
+namespace {
+
+// A daemon tells pictures for three seconds after it was asked.
+constexpr Duration kAskEvery = {1'000'000'000};
+
+}  // namespace
+
+Live::Live(FleetState& state, std::vector<RobotAddress> robots) : state_(state) {
+  for (RobotAddress& robot : robots) {
+    const std::size_t number = state_.add(robot.text.empty() ? "robot" : robot.text);
+    links_.emplace_back(std::move(robot));
+    state_.set_link(number, false, links_.back().why());
+  }
+}
+
+void Live::turn(Duration wait, int wake_fd) {
+  std::vector<pollfd> entries = {{wake_fd, POLLIN, 0}};
+  for (const TelemetryLink& link : links_) entries.push_back({link.fd(), POLLIN, 0});
+  (void)::poll(entries.data(), entries.size(), static_cast<int>(wait.ns / 1'000'000));
+  const Time now = monotonic_now();
+  const bool may_ask = now >= next_wish_;
+  if (may_ask) next_wish_ = now + kAskEvery;
+  for (std::size_t i = 0; i < links_.size(); ++i) {
+    const bool changed = links_[i].turn(now, [&](std::string_view text) {
+      const nlohmann::json line = nlohmann::json::parse(text, nullptr, false);
+      if (line.is_object()) state_.apply(i, line);
+    });
+    if (changed) state_.set_link(i, links_[i].up(), links_[i].why());
+    if (may_ask && state_.take_wish(i)) links_[i].ask_picture();
+  }
+}
+
+}  // namespace zenith::tools

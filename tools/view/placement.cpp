@@ -1,0 +1,50 @@
+#include "tools/view/placement.h"
+
+namespace zenith::tools {
+namespace {
+
+struct Edge {
+  std::string own;
+  std::string peer;
+  Pose2 T_own_peer;
+};
+
+std::vector<Edge> merges(const std::vector<RobotState>& robots) {
+  constexpr std::string_view kAlignment = "alignment/";
+  std::vector<Edge> edges;
+  for (const RobotState& robot : robots) {
+    for (const auto& [key, line] : robot.lines()) {
+      if (key.compare(0, kAlignment.size(), kAlignment) != 0) continue;
+      const auto& pose = line.value("pose", nlohmann::json::array());
+      if (line.value("state", "") != "merged" || pose.size() != 3) continue;
+      edges.push_back({robot.name(), key.substr(kAlignment.size()), {pose[0], pose[1], pose[2]}});
+    }
+  }
+  return edges;
+}
+
+}  // namespace
+
+std::map<std::string, Pose2> place_starts(const std::vector<RobotState>& robots) {
+  std::map<std::string, Pose2> placed;
+  if (robots.empty()) return placed;
+  placed[robots[0].name()] = {};
+  const std::vector<Edge> edges = merges(robots);
+  for (bool more = true; more;) {
+    more = false;
+    for (const Edge& edge : edges) {
+      const auto own = placed.find(edge.own);
+      const auto peer = placed.find(edge.peer);
+      if (own != placed.end() && peer == placed.end()) {
+        placed[edge.peer] = own->second * edge.T_own_peer;
+        more = true;
+      } else if (own == placed.end() && peer != placed.end()) {
+        placed[edge.own] = peer->second * edge.T_own_peer.inverse();
+        more = true;
+      }
+    }
+  }
+  return placed;
+}
+
+}  // namespace zenith::tools

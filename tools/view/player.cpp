@@ -1,0 +1,74 @@
+#include "tools/view/player.h"
+
+#include <algorithm>
+
+namespace zenith::tools {
+namespace {
+
+using nlohmann::json;
+
+constexpr double kSlowest = 0.1;
+constexpr double kFastest = 20.0;
+
+}  // namespace
+
+Player::Player(FleetState& state, Timeline timeline)
+    : state_(state), timeline_(std::move(timeline)) {
+  for (const std::string& robot : timeline_.robots) {
+    state_.set_link(state_.add(robot), true, "");
+  }
+  tell_clock();
+}
+
+void Player::play(Duration elapsed) {
+  const std::lock_guard lock(mutex_);
+  if (!playing_) return;
+  advance(std::min(position_s_ + elapsed.seconds() * speed_, timeline_.duration_s));
+  playing_ = position_s_ < timeline_.duration_s;
+  tell_clock();
+}
+
+void Player::control(const json& asked) {
+  const std::lock_guard lock(mutex_);
+  if (!asked.is_object()) return;
+  if (asked.contains("speed") && asked["speed"].is_number()) {
+    speed_ = std::clamp(asked["speed"].get<double>(), kSlowest, kFastest);
+  }
+  if (asked.contains("seek") && asked["seek"].is_number()) {
+    seek(std::clamp(asked["seek"].get<double>(), 0.0, timeline_.duration_s));
+  }
+  if (asked.contains("play") && asked["play"].is_boolean()) {
+    playing_ = asked["play"].get<bool>();
+    if (playing_ && position_s_ >= timeline_.duration_s) seek(0.0);
+  }
+  tell_clock();
+}
+
+void Player::seek(double to_s) {
+  if (to_s >= position_s_) return advance(to_s);
+  state_.rebuild([&] {
+    next_ = 0;
+    advance(to_s);
+  });
+}
+
+void Player::advance(double to_s) {
+  position_s_ = to_s;
+  for (; next_ < timeline_.entries.size() && timeline_.entries[next_].t_s <= to_s; ++next_) {
+    state_.apply(timeline_.entries[next_].robot, timeline_.entries[next_].line);
+  }
+}
+
+void Player::tell_clock() {
+  json marks = json::array();
+  for (const Timeline::Mark& mark : timeline_.marks) {
+    marks.push_back({{"t_s", mark.t_s}, {"text", mark.text}});
+  }
+  state_.set_clock({{"position_s", position_s_},
+                    {"duration_s", timeline_.duration_s},
+                    {"playing", playing_},
+                    {"speed", speed_},
+                    {"marks", marks}});
+}
+
+}  // namespace zenith::tools
