@@ -11,6 +11,7 @@
 
 namespace zenith::tools {
 
+void add_calibrate_command(CLI::App& app, int& exit_code);
 void add_sim_command(CLI::App& app, int& exit_code);
 void add_record_command(CLI::App& app, int& exit_code);
 void add_replay_command(CLI::App& app, int& exit_code);

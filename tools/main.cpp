@@ -20,6 +20,7 @@ constexpr const char* kFooter =
   zenith eval corridor-rooms           figures against the ground truth
 
 On a robot:
+  zenith calibrate --help              lens, mount and wheels
   zenith doctor --config zenith.toml   what is wrong, and what to do
   zenith view                          look at it in a browser
   zenith record rec/anna               record what the running zenithd sees
@@ -45,6 +46,7 @@ int run(int argc, char** argv) {
   add_demo_command(app, exit_code);
   add_descriptors_command(app, exit_code);
   add_sim_command(app, exit_code);
+  add_calibrate_command(app, exit_code);
   add_doctor_command(app, exit_code);
   add_record_command(app, exit_code);
   add_replay_command(app, exit_code);

@@ -92,6 +92,8 @@ TEST(Packaging, TheShellCompletesCommandsAndOptions) {
       std::string(ZENITH_TOOL) + " \"$@\"); _zenith; echo \"${COMPREPLY[*]}\"' ";
   EXPECT_EQ(run(complete + "1 rep").text, "replay\n");
   EXPECT_THAT(run(complete + "2 replay --o").text, HasSubstr("--out"));
+  EXPECT_EQ(run(complete + "2 calibrate le").text, "lens\n");
+  EXPECT_THAT(run(complete + "3 calibrate lens --c").text, HasSubstr("--camera"));
 }
 
 }  // namespace

@@ -1,0 +1,135 @@
+#include "tools/calibrate/edit_toml.h"
+
+#include <fstream>
+#include <optional>
+#include <sstream>
+
+#define TOML_EXCEPTIONS 0
+#include <toml++/toml.h>
+
+#include "platform/config/setting.h"
+#include "tools/atomic_output.h"
+
+namespace zenith::tools {
+namespace {
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream in(text);
+  for (std::string line; std::getline(in, line);) lines.push_back(line);
+  return lines;
+}
+
+std::string trimmed(const std::string& text) {
+  const std::size_t begin = text.find_first_not_of(" \t\r");
+  if (begin == std::string::npos) return {};
+  return text.substr(begin, text.find_last_not_of(" \t\r") - begin + 1);
+}
+
+// "[a.b]  # why" -> "a.b"; none for other lines.
+std::optional<std::string> section_of(const std::string& line) {
+  const std::string plain = trimmed(line);
+  if (plain.size() < 2 || plain[0] != '[' || plain[1] == '[') return std::nullopt;
+  const std::size_t end = plain.find(']');
+  return end == std::string::npos ? std::nullopt : std::optional(trimmed(plain.substr(1, end - 1)));
+}
+
+bool is_key(const std::string& line, const std::string& key) {
+  const std::size_t equals = line.find('=');
+  return equals != std::string::npos && trimmed(line.substr(0, equals)) == key;
+}
+
+// Where a comment begins behind a value that is a number or a text without '#'.
+std::string with_value(const std::string& line, const std::string& value) {
+  const std::size_t equals = line.find('=');
+  const std::size_t comment = line.find('#', equals);
+  std::string out = line.substr(0, equals) + "= " + value;
+  if (comment != std::string::npos) out += "   " + line.substr(comment);
+  return out;
+}
+
+void set_value(std::vector<std::string>& lines, const std::string& full_key,
+               const std::string& value) {
+  const auto [section, key] = split_key(full_key);
+  std::string current;
+  std::optional<std::size_t> last;  // line of the section with content
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    if (const auto named = section_of(lines[i])) {
+      current = *named;
+      if (current == section) last = i;
+      continue;
+    }
+    if (current != section) continue;
+    if (is_key(lines[i], key)) {
+      lines[i] = with_value(lines[i], value);
+      return;
+    }
+    const std::string plain = trimmed(lines[i]);
+    if (!plain.empty() && plain[0] != '#') last = i;
+  }
+  if (!last) {
+    if (!lines.empty()) lines.emplace_back();
+    lines.push_back("[" + section + "]");
+    last = lines.size() - 1;
+  }
+  lines.insert(lines.begin() + static_cast<std::ptrdiff_t>(*last + 1), key + " = " + value);
+}
+
+Error parse_error(const std::filesystem::path& path, const toml::parse_error& error) {
+  return {path.string() + ":" + std::to_string(error.source().begin.line) + ": " +
+          std::string(error.description())};
+}
+
+Status check_values(const std::filesystem::path& path, const std::string& text,
+                    const TomlValues& values) {
+  const toml::parse_result parsed = toml::parse(text);
+  if (!parsed) return parse_error(path, parsed.error());
+  for (const auto& [key, value] : values) {
+    const auto wanted = toml::parse("v = " + value);
+    const auto found = parsed.table().at_path(key);
+    const bool same =
+        wanted && found && found.value<double>() == wanted.table()["v"].value<double>();
+    if (same) continue;
+    return Error{path.string() + ": " + key + " = " + value +
+                 " cannot be written without changing the file's layout; it is written in a way "
+                 "that only a person can edit, so set it by hand"};
+  }
+  return {};
+}
+
+}  // namespace
+
+std::string edited_toml(const std::string& text, const TomlValues& values) {
+  std::vector<std::string> lines = lines_of(text);
+  for (const auto& [key, value] : values) set_value(lines, key, value);
+  std::string out;
+  for (const std::string& line : lines) out += line + "\n";
+  return out;
+}
+
+Status edit_toml_file(const std::filesystem::path& path, const TomlValues& values) {
+  std::string text;
+  std::error_code code;
+  if (std::filesystem::exists(path, code)) {
+    std::ifstream file(path, std::ios::binary);
+    std::ostringstream content;
+    content << file.rdbuf();
+    if (!file) return Error{path.string() + ": not readable"};
+    text = content.str();
+    const toml::parse_result parsed = toml::parse(text);
+    if (!parsed) return parse_error(path, parsed.error());
+  }
+  const std::string edited = edited_toml(text, values);
+  if (const Status checked = check_values(path, edited, values); !checked) return checked;
+  // Behind a link stands the file that is meant.
+  const std::filesystem::path real = std::filesystem::weakly_canonical(path, code);
+  const std::filesystem::path place = code ? path : real;
+  const auto before = std::filesystem::status(place, code);
+  const Status written = write_file(place, edited);
+  if (written && std::filesystem::exists(before)) {
+    std::filesystem::permissions(place, before.permissions(), code);
+  }
+  return written;
+}
+
+}  // namespace zenith::tools
