@@ -29,6 +29,7 @@ enum class Room {
   kConfig,
   kRecording,
   kLink,
+  kStorage,  // the map on disk
   kDaemon,
   kDaemonSimulated,  // its devices that come from the simulator
   kSim,
@@ -42,7 +43,7 @@ Room room_of(std::string_view path) {
     std::string_view prefix;
     Room room;
   };
-  static constexpr std::array<Entry, 23> kRooms = {{
+  static constexpr std::array<Entry, 24> kRooms = {{
       {"platform/base/", Room::kBase},
       {"slam/kernels/", Room::kSlamKernels},
       {"slam/image/", Room::kSlamImage},
@@ -61,6 +62,7 @@ Room room_of(std::string_view path) {
       {"platform/config/", Room::kConfig},
       {"platform/recording/", Room::kRecording},
       {"platform/link/", Room::kLink},
+      {"platform/storage/", Room::kStorage},
       {"platform/daemon/simulated/", Room::kDaemonSimulated},
       {"platform/daemon/", Room::kDaemon},
       {"sim/", Room::kSim},
@@ -164,6 +166,17 @@ Broken check_link_include(const std::string& path) {
          "slam alone";
 }
 
+Broken check_storage_include(const std::string& path) {
+  const Room to = room_of(path);
+  if (to == Room::kBase || to == Room::kLinux || to == Room::kStorage || is_plain_slam_type(path) ||
+      starts_with(path, "slam/exchange/")) {
+    return {};
+  }
+  return "platform/storage includes platform/base, platform/linux, slam/exchange and plain types "
+         "of "
+         "slam alone";
+}
+
 Broken check_project_include(const std::string& file, const std::string& path) {
   const Room from = room_of(file);
   const Room to = room_of(path);
@@ -193,6 +206,7 @@ Broken check_project_include(const std::string& file, const std::string& path) {
   if (from == Room::kRecording) return check_recording_include(path);
   if (from == Room::kConfig) return check_config_include(path);
   if (from == Room::kLink) return check_link_include(path);
+  if (from == Room::kStorage) return check_storage_include(path);
   if (from == Room::kLinux) {
     if (to == Room::kBase || to == Room::kLinux || is_plain_slam_type(path)) return {};
     return "platform/linux includes platform/base and plain types of slam alone";
@@ -300,7 +314,7 @@ const std::vector<ForbiddenText>& forbidden_without_exceptions() {
 
 bool has_no_exceptions(Room room) {
   return is_slam(room) || room == Room::kDrivers || room == Room::kBase || room == Room::kLinux ||
-         room == Room::kConfig || room == Room::kLink;
+         room == Room::kConfig || room == Room::kLink || room == Room::kStorage;
 }
 
 Broken check_include_line(const std::string& file, const std::string& line) {
