@@ -204,8 +204,9 @@ void JointFilter::update_landmarks(std::span<const JointFrame> frames, Mapper& h
 
 // One robot in a time step, in turn: two that see the same new corner would start it twice.
 void JointFilter::start_landmarks(std::span<const JointFrame> frames) {
+  const auto first = static_cast<std::size_t>(steps_ % std::max<std::size_t>(frames.size(), 1));
   for (std::size_t k = 0; k < frames.size(); ++k) {
-    const JointFrame& f = frames[(k + steps_) % frames.size()];
+    const JointFrame& f = frames[(k + first) % frames.size()];
     if (!mapper(f.robot).start_due()) continue;
     mapper(f.robot).start_landmarks(*f.features);
     return;

@@ -16,7 +16,7 @@ debian_sources() {
   printf '%s\n' "$lines"
 }
 
-# debian_apt ARCH apt-get|apt-cache ARGS...: apt for ARCH (amd64, arm64) with folders of its own.
+# debian_apt ARCH apt-get|apt-cache ARGS...: apt for ARCH (amd64, arm64, armhf) with folders of its own.
 debian_apt() {
   local arch=$1 program=$2 home=$debian_cache/$1
   shift 2
@@ -24,6 +24,23 @@ debian_apt() {
     -o Dir::State="$home" -o Dir::State::status="$home/status" -o Dir::Cache="$home" \
     -o Dir::Etc::SourceList="$home/sources.list" -o Dir::Etc::SourceParts=- \
     -o APT::Sandbox::User="$(id -un)" -o Acquire::Languages=none "$@"
+}
+
+# debian_readable_sources ARCH: leaves out of ARCH's sources the archives whose lists cannot be had; a
+# mirror that is being renewed, or that lacks ARCH in one of them. False when none is left.
+debian_readable_sources() {
+  local home=$debian_cache/$1 all line
+  all=$(cat "$home/sources.list")
+  while read -r line; do
+    printf '%s\n' "$line" >"$home/sources.list"
+    if debian_apt "$1" apt-get update >>"$home/update.log" 2>&1; then
+      printf '%s\n' "$line"
+    else
+      echo "$1 DOES WITHOUT this archive, whose lists cannot be had (see $home/update.log): $line" >&2
+    fi
+  done <<<"$all" >"$home/readable.list"
+  mv "$home/readable.list" "$home/sources.list"
+  [[ -s $home/sources.list ]] && debian_apt "$1" apt-get update >>"$home/update.log" 2>&1
 }
 
 # debian_update ARCH: fetches the lists when there are none, or none of today.
@@ -37,6 +54,8 @@ debian_update() {
     touch "$home/updated"
   elif [[ -e $home/updated ]]; then
     echo "apt's lists for $1 could not be updated; going on with older ones" >&2
+  elif debian_readable_sources "$1"; then
+    touch "$home/updated"
   else
     cat "$home/update.log" >&2
     return 1
@@ -67,7 +86,7 @@ debian_bootstrap() {
   shift 2
   packages=$(IFS=,; echo "$*")
   debian_update "$arch" || return 1
-  suite=$(awk '{ print $3; exit }' "$debian_cache/$arch/sources.list")
+  suite=$(awk '{ sub(/-.*/, "", $3); print $3; exit }' "$debian_cache/$arch/sources.list")
   if [[ -d $hooks ]]; then options=(--hook-dir="$hooks"); fi
   # A tar archive, so that it also works without root, in a user namespace.
   if ! mmdebstrap --quiet --variant=extract --architectures="$arch" --include="$packages" \

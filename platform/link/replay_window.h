@@ -41,10 +41,11 @@ class ReplayWindow {
 
  private:
   static std::uint64_t bit(std::uint64_t counter) { return std::uint64_t{1} << (counter % 64); }
-  std::uint64_t& word(std::uint64_t counter) { return seen_[counter / 64 % seen_.size()]; }
-  const std::uint64_t& word(std::uint64_t counter) const {
-    return seen_[counter / 64 % seen_.size()];
+  static std::size_t place(std::uint64_t counter) {
+    return static_cast<std::size_t>(counter / 64 % (kWidth / 64));
   }
+  std::uint64_t& word(std::uint64_t counter) { return seen_[place(counter)]; }
+  const std::uint64_t& word(std::uint64_t counter) const { return seen_[place(counter)]; }
 
   std::uint64_t newest_ = 0;
   std::array<std::uint64_t, kWidth / 64> seen_ = {};

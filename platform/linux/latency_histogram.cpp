@@ -20,7 +20,7 @@ void increase(std::atomic<std::uint64_t>& counter, std::uint64_t by) {
 // the octave's eight bins.
 std::size_t LatencyHistogram::bin_of(std::int64_t ns) {
   const auto value = static_cast<std::uint64_t>(ns);
-  if (value < 8) return value;
+  if (value < 8) return static_cast<std::size_t>(value);
   const auto octave = static_cast<unsigned>(std::bit_width(value)) - 3;  // 1: 8..15
   const std::size_t bin = 8 * std::size_t{octave} + ((value >> (octave - 1)) & 7U);
   return std::min(bin, kBins - 1);

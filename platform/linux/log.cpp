@@ -72,8 +72,8 @@ void Log::write(LogLevel level, Time now, const char* format, va_list arguments)
 
 Log::Site* Log::site_of(const char* format) {
   // Literals are aligned by a few bytes at most: mix the address well.
-  const auto key = reinterpret_cast<std::uintptr_t>(format) * std::uintptr_t{0x9E3779B97F4A7C15};
-  const std::size_t start = key >> (8 * sizeof(key) - 16);
+  const std::uint64_t key = reinterpret_cast<std::uintptr_t>(format) * 0x9E3779B97F4A7C15ULL;
+  const auto start = static_cast<std::size_t>(key >> 48);
   constexpr std::size_t kProbes = 8;
   for (std::size_t i = 0; i < kProbes; ++i) {
     Site& site = sites_[(start + i) % kSites];
