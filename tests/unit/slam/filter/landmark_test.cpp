@@ -187,7 +187,8 @@ TEST(Landmark, SequentialObserversEqualTheStackedUpdate) {
         update_landmark(landmark.rows(), camera.rows(), 1, zx, zy, static_cast<float>(kNoise));
       }
       const LandmarkGaussian stacked = reference_update(prior, z, H, kNoise);
-      // Floats: the worst of 400 seeds was 2e-4 on x86, of 60 on ARM, which draws in another order, 4e-4.
+      // Floats: the worst of 400 seeds was 2e-4 on x86; of 60 on ARM, which draws in another
+      // order, 4e-4.
       ASSERT_LT(relative_error(landmark.get(0), stacked, prior.P), 1e-3)
           << k << " observers, trial " << trial;
     }
