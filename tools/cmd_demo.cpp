@@ -90,6 +90,8 @@ void print_result(const std::filesystem::path& out, const TeamFigures& figures) 
     std::printf("  %-44s how sure the robots grew that their maps overlap\n",
                 file("confidence.png").c_str());
   }
+  std::printf("  %-44s how it grew, in a browser\n",
+              ("zenith view " + out.lexically_normal().string()).c_str());
   std::printf("  %-44s all figures\n", file("summary.json").c_str());
   std::printf("  %-44s the recordings, for `zenith replay`\n", file("recordings").c_str());
 }
@@ -153,6 +155,9 @@ int run_live(const DemoCommand& command) {
   };
   std::printf("3. Open these:\n");
   std::printf("   %-36s the merged map\n", file("map.png").c_str());
+  std::printf(
+      "   %-36s how it grew, in a browser\n",
+      ("zenith view " + std::filesystem::path(command.out).lexically_normal().string()).c_str());
   std::printf("   %-36s what a robot logged\n",
               file((log->robots[0].name + ".log").c_str()).c_str());
   std::printf("   %-36s its configuration\n",

@@ -11,6 +11,7 @@
 #include "tools/commands.h"
 #include "tools/progress.h"
 #include "tools/replay.h"
+#include "tools/scratch_folder.h"
 #include "tools/view/live.h"
 #include "tools/view/player.h"
 #include "tools/view/web_server.h"
@@ -43,28 +44,17 @@ struct ViewCommand {
 
 constexpr Duration kSlice = {50'000'000};
 
-// A temporary folder for recordings that are mapped only to be looked at.
-class MappedHere {
- public:
-  ~MappedHere() {
-    std::error_code ignored;
-    if (!folder_.empty()) fs::remove_all(folder_, ignored);
-  }
-  Result<Timeline> map(const std::vector<std::string>& recordings) {
-    std::string pattern = (fs::temp_directory_path() / "zenith-view-XXXXXX").string();
-    if (::mkdtemp(pattern.data()) == nullptr) return Error{pattern + ": cannot be made"};
-    folder_ = pattern;
-    ReplayPlan plan;
-    for (const std::string& recording : recordings) plan.recordings.push_back(recording);
-    Progress progress("mapping");
-    const auto mapped = replay(plan, folder_, [&](double fraction) { progress.update(fraction); });
-    if (!mapped.ok()) return mapped.error();
-    return read_timeline(folder_ / kTimelineFile);
-  }
-
- private:
-  fs::path folder_;
-};
+// Recordings that are mapped only to be looked at.
+Result<Timeline> map_recordings(const std::vector<std::string>& recordings) {
+  const ScratchFolder folder;
+  ReplayPlan plan;
+  for (const std::string& recording : recordings) plan.recordings.push_back(recording);
+  Progress progress("mapping");
+  const auto mapped =
+      replay(plan, folder.path(), [&](double fraction) { progress.update(fraction); });
+  if (!mapped.ok()) return mapped.error();
+  return read_timeline(folder.path() / kTimelineFile);
+}
 
 void print_address(const ViewCommand& command, int port) {
   const std::string& bind = command.web.bind;
@@ -114,8 +104,7 @@ int run_view(ViewCommand& command) {
     return play(command, std::move(*timeline), signals);
   }
   if (!what.empty() && is_recording(what[0])) {
-    MappedHere here;
-    auto timeline = here.map(what);
+    auto timeline = map_recordings(what);
     if (!timeline.ok()) return fail(timeline.error());
     return play(command, std::move(*timeline), signals);
   }

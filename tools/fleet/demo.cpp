@@ -13,6 +13,9 @@
 #include "tools/atomic_output.h"
 #include "tools/fleet/child_process.h"
 #include "tools/fleet/observer.h"
+#include "tools/scratch_folder.h"
+#include "tools/view/timeline.h"
+#include "tools/view/timeline_recorder.h"
 
 namespace zenith::tools {
 namespace {
@@ -34,12 +37,13 @@ RadioSettings radio_settings() {
   return settings;
 }
 
-Status write_configuration(const fs::path& folder, const std::string& robot,
-                           const FleetDemo& demo) {
+Status write_configuration(const fs::path& folder, const std::string& robot, const FleetDemo& demo,
+                           const fs::path& sockets) {
   return write_file(
       folder / (robot + ".toml"),
       "[robot]\nname = \"" + robot + "\"\n\n[camera]\ndriver = \"simulated\"\n\n" +
-          "[odometry]\ndriver = \"simulated\"\n\n[telemetry]\nenabled = false\n\n" +
+          "[odometry]\ndriver = \"simulated\"\n\n[telemetry]\nsocket = \"" +
+          (sockets / robot).string() + ".sock\"\n\n" +
           "[record]\nenabled = false\n\n[realtime]\npriority = 0\n" +
           "lock_memory = false\nhold_cpu_awake = false\n\n" +
           "# The robots drive more slowly where the computer is slow: no need to shed.\n" +
@@ -239,10 +243,16 @@ Result<TeamLog> run_fleet_demo(const FleetDemo& demo, const fs::path& folder) {
   FleetObserver observer(*keys, radio_settings());
   if (const Status opened = observer.open(); !opened) return opened.error();
 
+  const ScratchFolder sockets;  // a socket's path must be short: not every output folder's is
+  std::vector<std::string> names;
+  std::vector<RobotAddress> addresses;
   std::vector<Watched> robots;
   for (std::size_t i = 0; i < simulation->robot_count(); ++i) {
     const std::string name = simulation->drive(i).name();
-    if (const Status written = write_configuration(folder, name, demo); !written) {
+    const std::string socket = (sockets.path() / (name + ".sock")).string();
+    names.push_back(name);
+    addresses.push_back({"", {socket}, socket});
+    if (const Status written = write_configuration(folder, name, demo, sockets.path()); !written) {
       return written.error();
     }
     auto daemon =
@@ -252,7 +262,9 @@ Result<TeamLog> run_fleet_demo(const FleetDemo& demo, const fs::path& folder) {
     robots.push_back({std::move(*daemon), {}, 0.0, monotonic_now(), {}, {}});
     robots.back().log.name = name;
   }
+  TimelineRecorder timeline(folder / kTimelineFile, names, addresses);
   if (const Status watched = watch(demo, observer, robots); !watched) return watched.error();
+  if (const Status written = timeline.finish(); !written) return written.error();
   observer.leave();
   for (Watched& robot : robots) robot.daemon.stop();
   for (std::size_t i = 0; i < robots.size(); ++i) {

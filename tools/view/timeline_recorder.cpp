@@ -1,0 +1,100 @@
+#include "tools/view/timeline_recorder.h"
+
+#include <fstream>
+
+#include "platform/base/base64.h"
+#include "platform/linux/clock.h"
+#include "tools/view/robot_state.h"
+#include "tools/view/timeline.h"
+
+namespace zenith::tools {
+namespace {
+
+using nlohmann::json;
+
+constexpr Duration kTurn = {50'000'000};
+constexpr Duration kPictureEvery = {500'000'000};
+constexpr Duration kAskEvery = {1'000'000'000};
+
+// One robot: its lines as they come, but for pictures, which are compressed first.
+struct Recorded {
+  std::size_t number;
+  TelemetryLink link;
+  RobotState state;
+  std::uint64_t version = 0;
+  std::uint64_t picture = 0;  // the serial of the last one written
+  Time next_picture = {};
+};
+
+class Writer {
+ public:
+  Writer(const std::filesystem::path& file, const std::vector<std::string>& names, Time begin)
+      : out_(file, std::ios::binary), begin_(begin) {
+    out_ << json({{"timeline", 1}, {"robots", names}}).dump() << '\n';
+  }
+  void put(std::size_t robot, Time now, std::string_view line) {
+    out_ << "{\"t_s\":" << (now - begin_).seconds() << ",\"robot\":" << robot
+         << ",\"line\":" << line << "}\n";
+  }
+  bool close() {
+    out_.close();
+    return !out_.fail();
+  }
+
+ private:
+  std::ofstream out_;
+  Time begin_;
+};
+
+void take(Recorded& robot, std::string_view text, Time now, Writer& writer) {
+  const json line = json::parse(text, nullptr, false);
+  if (!line.is_object() || !robot.state.apply(line, ++robot.version)) return;
+  const std::string type = line["type"];
+  if (type != "picture" && type != "strip") return writer.put(robot.number, now, text);
+  const auto& picture = robot.state.picture();
+  if (!picture || picture->serial == robot.picture || now < robot.next_picture) return;
+  robot.picture = picture->serial;
+  robot.next_picture = now + kPictureEvery;
+  json whole = picture->told;
+  std::string jpeg(base64_size(picture->jpeg.size()), ' ');
+  write_base64(picture->jpeg, jpeg.data());
+  whole["jpeg"] = std::move(jpeg);
+  writer.put(robot.number, now, whole.dump());
+}
+
+}  // namespace
+
+TimelineRecorder::TimelineRecorder(const std::filesystem::path& file,
+                                   std::vector<std::string> names, std::vector<RobotAddress> robots)
+    : file_(file), thread_([this, names = std::move(names), robots = std::move(robots)] {
+        run(names, robots);
+      }) {}
+
+Status TimelineRecorder::finish() {
+  stop_ = true;
+  if (thread_.joinable()) thread_.join();
+  if (failed_) return Error{file_.string() + ": cannot be written: is the disk full?"};
+  return {};
+}
+
+void TimelineRecorder::run(std::vector<std::string> names, std::vector<RobotAddress> robots) {
+  Writer writer(file_, names, monotonic_now());
+  std::vector<Recorded> all;
+  for (std::size_t i = 0; i < robots.size(); ++i) {
+    all.push_back({i, TelemetryLink(std::move(robots[i])), RobotState(names[i])});
+  }
+  Time next_ask;
+  while (!stop_) {
+    const Time now = monotonic_now();
+    const bool ask = now >= next_ask;
+    if (ask) next_ask = now + kAskEvery;
+    for (Recorded& robot : all) {
+      robot.link.turn(now, [&](std::string_view text) { take(robot, text, now, writer); });
+      if (ask) robot.link.ask_picture();
+    }
+    sleep_until(now + kTurn);
+  }
+  failed_ = !writer.close();
+}
+
+}  // namespace zenith::tools
