@@ -4,12 +4,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <regex>
-
 #include "platform/link/fleet_key.h"
 #include "tests/support/figure.h"
 #include "tests/system/browser.h"
 #include "tests/system/sim_daemon.h"
+#include "tests/system/view_server.h"
 
 namespace zenith {
 namespace {
@@ -27,27 +26,12 @@ class ViewTest : public testing::Test {
     }
   }
 
-  // Starts `zenith view WORDS...`; its address, empty when it does not come up.
-  std::string start_view(std::vector<std::string> words) {
-    const std::string output = (folder_.path() / "view.out").string();
-    words.insert(words.begin(), {ZENITH_TOOL, "view", "--port", "0"});
-    view_ = std::make_unique<Process>(words, output, (folder_.path() / "view.log").string());
-    std::string address;
-    (void)wait_until(kLimit_s, [&] {
-      std::smatch match;
-      const std::string said = tools::read_text(output);
-      if (std::regex_search(said, match, std::regex("http://[^ ]+"))) address = match[0];
-      return !address.empty();
-    });
-    return address;
-  }
-
   // A page that loads without an error.
-  std::unique_ptr<Browser> open(const std::string& address) {
+  std::unique_ptr<Browser> open() {
     auto browser = std::make_unique<Browser>(folder_.path());
     if (!browser->good()) return browser;
     browser->show(1400, 900, false, false);
-    browser->open(address);
+    browser->open(view_.address());
     return browser;
   }
 
@@ -83,7 +67,7 @@ class ViewTest : public testing::Test {
   }
 
   tools::TemporaryFolder folder_;
-  std::unique_ptr<Process> view_;
+  ViewServer view_{folder_.path()};
 };
 
 TEST_F(ViewTest, ShowsRobotsLiveAndHowTheyMerge) {
@@ -92,10 +76,10 @@ TEST_F(ViewTest, ShowsRobotsLiveAndHowTheyMerge) {
   SimDaemon r1(folder_.path(), "r1", radio);
   SimDaemon r2(folder_.path(), "r2", radio);
   for (SimDaemon* daemon : {&r1, &r2}) ASSERT_TRUE(daemon->start()) << daemon->log();
-  const std::string address =
-      start_view({(folder_.path() / "r1.sock").string(), (folder_.path() / "r2.sock").string()});
-  ASSERT_NE(address, "") << tools::read_text(folder_.path() / "view.log");
-  const auto browser = open(address);
+  ASSERT_TRUE(view_.start(
+      {(folder_.path() / "r1.sock").string(), (folder_.path() / "r2.sock").string()}, kLimit_s))
+      << view_.log();
+  const auto browser = open();
   ASSERT_TRUE(browser->good()) << browser->error();
 
   ASSERT_TRUE(browser->wait_for("window.zenith?.fleet.robots.length === 2", kLimit_s));
@@ -149,60 +133,17 @@ TEST_F(ViewTest, ShowsRobotsLiveAndHowTheyMerge) {
       browser->wait_for("!document.getElementById('map-note').hidden && "
                         "document.getElementById('connection').className === 'lost'",
                         30.0));
-  view_.reset();
+  view_.kill();
   EXPECT_TRUE(browser->wait_for(
       "document.getElementById('connection').textContent === 'connection lost'", 30.0));
   EXPECT_TRUE(browser->save_picture(std::string(kPictures) + "lost.png"));
 }
 
-// Two robots of which one joins the other's map after three of four seconds.
-std::string short_timeline() {
-  std::string text = R"({"timeline":1,"robots":["anna","bert"]})"
-                     "\n";
-  const auto put = [&](double t_s, int robot, const nlohmann::json& line) {
-    text += nlohmann::json({{"t_s", t_s}, {"robot", robot}, {"line", line}}).dump() + "\n";
-  };
-  for (int i = 0; i <= 40; ++i) {
-    const double t_s = 0.1 * i;
-    for (int robot = 0; robot < 2; ++robot) {
-      put(t_s, robot,
-          {{"type", "pose"},
-           {"stamp_ns", t_s * 1e9},
-           {"pose", {t_s, 0, 0}},
-           {"covariance", {1e-6, 0, 0, 1e-6, 0, 1e-6}},
-           {"step_ms", 5.0},
-           {"period_ms", 100},
-           {"inliers", 3},
-           {"candidates", 5}});
-      if (i % 10 != 0) continue;
-      nlohmann::json marks = {
-          {"type", "landmarks"}, {"peer", -1}, {"name", ""}, {"gone", nlohmann::json::array()}};
-      for (const double n : {i + 1.0, t_s, 1.0, 2.5, 1e-4, 0.0, 4e-4, 1e-3, 5.0}) {
-        marks["rows"].push_back(n);
-      }
-      put(t_s, robot, marks);
-    }
-    if (i % 10 == 0) {
-      put(t_s, 0,
-          {{"type", "alignment"},
-           {"stamp_ns", t_s * 1e9},
-           {"peer", 0},
-           {"name", "bert"},
-           {"state", i < 30 ? "candidate" : "merged"},
-           {"pose", {0, 2, 0}},
-           {"confidence", 0.25 * i / 10},
-           {"correspondences", i}});
-    }
-  }
-  return text;
-}
-
 TEST_F(ViewTest, PlaysAReplayWithItsSlider) {
   std::filesystem::create_directory(folder_.path() / "out");
   tools::write_text(folder_.path() / "out" / "timeline.jsonl", short_timeline());
-  const std::string address = start_view({(folder_.path() / "out").string()});
-  ASSERT_NE(address, "") << tools::read_text(folder_.path() / "view.log");
-  const auto browser = open(address);
+  ASSERT_TRUE(view_.start({(folder_.path() / "out").string()}, kLimit_s)) << view_.log();
+  const auto browser = open();
   ASSERT_TRUE(browser->good()) << browser->error();
   ASSERT_TRUE(browser->wait_for("!document.getElementById('player').hidden", kLimit_s));
   const auto seek = [&](double to_s) {

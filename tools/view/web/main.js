@@ -121,6 +121,7 @@ function showConnection() {
   }
   element.textContent = open ? (lost ? 'robot silent' : text) : 'connection lost';
   element.className = lost ? 'lost' : open ? 'live' : '';
+  document.body.classList.toggle('stale', lost);
   note.hidden = !lost;
   note.textContent = lost ? text + (fleet.robots.length ? ' What is shown is old.' : '') : '';
 }
@@ -168,7 +169,7 @@ let slow_at = 0;
 function frame(now) {
   requestAnimationFrame(frame);
   const robot = fleet.robots[chosen];
-  showLeds(robot?.lines.health?.state);
+  showLeds(document.body.classList.contains('stale') ? null : robot?.lines.health?.state);
   if (now - slow_at > 250) { slow_at = now; showConnection(); dirty = true; }
   if (!dirty) return;
   dirty = false;

@@ -1,0 +1,53 @@
+#pragma once
+// A `zenith view` under test.
+
+#include <memory>
+#include <regex>
+#include <string>
+#include <vector>
+
+#include "tests/system/process.h"
+#include "tests/unit/tools/temporary_folder.h"
+
+namespace zenith {
+
+class ViewServer {
+ public:
+  explicit ViewServer(const std::filesystem::path& folder) : base_((folder / "view").string()) {}
+
+  // `zenith view WORDS...` at any free port; false when it does not come up.
+  bool start(std::vector<std::string> words, double limit_s) {
+    words.insert(words.begin(), {ZENITH_TOOL, "view", "--port", "0"});
+    process_ = std::make_unique<Process>(words, base_ + ".out", base_ + ".log");
+    return wait_until(limit_s, [&] {
+      std::smatch match;
+      const std::string said = tools::read_text(base_ + ".out");
+      if (std::regex_search(said, match, std::regex("http://127.0.0.1:([0-9]+)"))) {
+        address_ = match[0];
+        port_ = std::stoi(match[1]);
+      }
+      return port_ != 0;
+    });
+  }
+  void kill() { process_.reset(); }
+  // The exit code, when it is asked to end.
+  int stop() {
+    process_->send(SIGINT);
+    return process_->wait(30.0);
+  }
+
+  const std::string& address() const { return address_; }
+  int port() const { return port_; }
+  std::string log() const { return tools::read_text(base_ + ".log"); }
+
+ private:
+  const std::string base_;
+  std::unique_ptr<Process> process_;
+  std::string address_;
+  int port_ = 0;
+};
+
+// Two robots of which one joins the other's map after three of four seconds, as a replay's output.
+std::string short_timeline();
+
+}  // namespace zenith
