@@ -29,7 +29,7 @@ to the same address as a WebSocket. Prometheus reads /metrics. docs/view.md has 
 
 WHAT is one or several robots: a telemetry socket, ssh:HOST or ssh:HOST:SOCKET for a robot elsewhere
 (it runs `zenith telemetry` there); without any, the daemon on this computer. Or a replay: the output
-folder of `zenith replay` or `zenith demo --offline`, or recordings, which are mapped first.
+folder of `zenith replay` or `zenith demo`, or recordings, which are mapped first.
 
 Examples:
   zenith view
