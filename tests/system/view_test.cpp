@@ -22,7 +22,7 @@ class ViewTest : public testing::Test {
   void SetUp() override {
     if (!Browser::is_installed()) {
       GTEST_SKIP() << "SKIPPED, the page was not tested: there is no chromium, or no "
-                      "chromium-driver (toolchain/packages-tools.txt)";
+                      "chromium-driver; `./dev test --browser` installs them";
     }
   }
 
