@@ -103,6 +103,7 @@ export function layersSeenBy(fleet, viewer) {
     const merged = peer.alignment?.state === 'merged';
     const told = viewer.maps.get(peer.slot);
     const map = told?.size || !itself ? told : itself.maps.get(-1);
+    if (!map?.size && !itself && !peer.alignment) continue;  // it has no map: an observer
     layers.push({name: peer.name, own: false, placed: merged,
                  T: merged ? peer.alignment.pose : null,
                  state: peer.alignment?.state ?? 'apart',
