@@ -74,10 +74,11 @@ std::vector<CanFrame> drive_wheels(const DrivenPath& path, double duration_s, Ti
   std::vector<CanFrame> bus;
   bus.reserve(2 * static_cast<std::size_t>(frames + 8));
   // The bus talks before the first camera frame does.
-  constexpr int kEarlier = 5;
+  const int kEarlier = 5 + static_cast<int>(0.1 * spec.latency_ms);
   for (int frame = -kEarlier; frame < frames; ++frame) {
     const double time_s = frame / kWheelRate_hz;
-    const Time stamp = start + Duration::from_seconds(time_s + random.uniform(0.0, kMaxDelay_s));
+    const Time stamp = start + Duration::from_seconds(time_s + 1e-3 * spec.latency_ms +
+                                                      random.uniform(0.0, kMaxDelay_s));
     bus.push_back(agilex_v2::encode_odometer(
         stamp, {whole_mm(left_start_mm, left_m), whole_mm(right_start_mm, right_m)}));
     const double v_left = (left_m - reported_left_before) * kWheelRate_hz;

@@ -121,6 +121,7 @@ void read_wheels(const toml::table& table, TomlErrors& errors, WheelSpec& wheels
   in.number("slip_sigma_per_sqrt_m", wheels.slip_sigma_per_sqrt_m, 0.0, 0.1);
   in.number("drift_sigma", wheels.drift_sigma, 0.0, 0.1);
   in.number("slip_events_per_m", wheels.slip_events_per_m, 0.0, 1.0);
+  in.number("latency_ms", wheels.latency_ms, 0.0, 200.0);
   in.finish();
 }
 

@@ -90,6 +90,7 @@ struct WheelSpec {
   double slip_sigma_per_sqrt_m = 0.003;
   double drift_sigma = 0.002;       // of the scale, slow: time constant 20 s
   double slip_events_per_m = 0.01;  // a wheel turns 1 to 4 cm too far
+  double latency_ms = 0.0;          // the base's frames come so much late
 };
 
 struct RobotSpec {

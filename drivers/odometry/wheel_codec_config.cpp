@@ -181,7 +181,9 @@ Result<WheelDecoder> make_wheel_decoder(const WheelCodecConfig& config) {
   WheelScales scales = std::visit([&](const auto& c) { return c.scales(config.geometry); }, codec);
   if (config.invert_left) scales.left.metres_per_unit *= -1.0;
   if (config.invert_right) scales.right.metres_per_unit *= -1.0;
-  return WheelDecoder(codec, scales, config.limits);
+  WheelDecoder decoder(codec, scales, config.limits);
+  decoder.set_latency(Duration::from_seconds(config.latency_s));
+  return decoder;
 }
 
 }  // namespace zenith

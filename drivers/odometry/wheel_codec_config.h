@@ -28,6 +28,7 @@ struct WheelCodecConfig {
   bool swap_wheels = false;     // what the base calls left is the robot's right wheel
   bool invert_left = false;     // the robot's left wheel counts down when driving forward
   bool invert_right = false;    // usual where both motors are mounted alike
+  double latency_s = 0.0;       // the wheels were where a frame says so long before its stamp
   WheelGeometry geometry = {};  // odrive, vesc, canopen
   WheelLimits limits = {};
   odrive::Config odrive = {};

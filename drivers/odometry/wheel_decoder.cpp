@@ -45,7 +45,7 @@ std::optional<WheelSample> WheelDecoder::decode(const CanFrame& frame) {
   fresh_right_ = false;
   ++counters_.samples;
   const Time stamp = std::min(left_.stamp(), right_.stamp());
-  return WheelSample{stamp, left_.travel_at(stamp), right_.travel_at(stamp)};
+  return WheelSample{stamp - latency_, left_.travel_at(stamp), right_.travel_at(stamp)};
 }
 
 void WheelDecoder::note_errors(const WheelNews& news) {

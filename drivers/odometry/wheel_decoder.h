@@ -56,6 +56,9 @@ class WheelDecoder {
   // make_wheel_decoder() of wheel_codec_config.h checks before it calls this.
   WheelDecoder(const WheelCodec& codec, const WheelScales& scales, const WheelLimits& limits);
 
+  // Stamps of samples are those of the frames less this; 0 without.
+  void set_latency(Duration latency) { latency_ = latency; }
+
   // At most one sample for a frame; travel is zero in each wheel's first reading. Stamps of samples
   // rise strictly.
   std::optional<WheelSample> decode(const CanFrame& frame);
@@ -72,6 +75,7 @@ class WheelDecoder {
                   bool& fresh);
 
   WheelCodec codec_;
+  Duration latency_;
   WheelAccumulator left_;
   WheelAccumulator right_;
   bool fresh_left_ = false;  // has news since the last sample

@@ -10,6 +10,8 @@
 
 namespace zenith::tools {
 
+void add_calibrate_drive(CLI::App& calibrate, int& exit_code);
+void add_calibrate_import(CLI::App& calibrate, int& exit_code);
 void add_calibrate_lens(CLI::App& calibrate, int& exit_code);
 void add_calibrate_board(CLI::App& calibrate, int& exit_code);
 void add_calibrate_sample(CLI::App& calibrate, int& exit_code);

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "platform/config/robot_settings.h"
+#include "tools/calibrate/median.h"
 #include "tools/doctor/formatted.h"
 
 namespace zenith::tools {
@@ -23,12 +24,6 @@ BoardView view_of(const Detection& detection, const Target& target) {
     view.seen_px.push_back(detection.corners_px[i]);
   }
   return view;
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 std::vector<double> view_errors(const LensFit& fit, const std::vector<BoardView>& views) {

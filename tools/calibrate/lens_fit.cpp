@@ -7,6 +7,8 @@
 #include <Eigen/Geometry>
 #include <Eigen/SVD>
 
+#include "tools/calibrate/median.h"
+
 namespace zenith::tools {
 namespace {
 
@@ -94,8 +96,7 @@ LensFit moved(const LensFit& fit, const Eigen::VectorXd& step) {
   return out;
 }
 
-// 1.4826 times the median of the absolute coordinates is sigma for normal errors.
-double robust_sigma(const LensFit& fit, const std::vector<BoardView>& views) {
+double sigma_of(const LensFit& fit, const std::vector<BoardView>& views) {
   std::vector<double> sizes;
   for (std::size_t i = 0; i < views.size(); ++i) {
     for (const auto& r : residuals(fit.lens, fit.poses[i], views[i])) {
@@ -103,16 +104,14 @@ double robust_sigma(const LensFit& fit, const std::vector<BoardView>& views) {
       sizes.push_back(std::abs(r.y()));
     }
   }
-  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-  std::nth_element(sizes.begin(), middle, sizes.end());
-  return std::max(0.02, 1.4826 * *middle);
+  return std::max(0.02, robust_sigma(std::move(sizes)));
 }
 
 // Descends with sigma found anew; returns the final cost by the last sigma.
 void descend(LensFit& fit, const std::vector<BoardView>& views, int iterations) {
   double lambda = 1e-3;
   for (int i = 0; i < iterations; ++i) {
-    const double sigma = robust_sigma(fit, views);
+    const double sigma = sigma_of(fit, views);
     const double cost = cost_of(fit, views, sigma);
     const Normal n = normal_equations(fit, views, sigma);
     bool better = false;
@@ -131,7 +130,7 @@ void descend(LensFit& fit, const std::vector<BoardView>& views, int iterations) 
     }
     if (!better || gain < 1e-9) break;
   }
-  fit.sigma_px = robust_sigma(fit, views);
+  fit.sigma_px = sigma_of(fit, views);
 }
 
 Lens equidistant(int width_px, int height_px, double focal_px) {

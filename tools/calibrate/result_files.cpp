@@ -1,6 +1,7 @@
 #include "tools/calibrate/result_files.h"
 
 #include <cstdio>
+#include <numbers>
 
 #include "platform/recording/layout.h"
 #include "platform/recording/sensor_file.h"
@@ -44,6 +45,30 @@ Status write_lens(const std::filesystem::path& path, const Lens& lens) {
   for (std::size_t i = 0; i < 4; ++i) {
     values.emplace_back("lens.k" + std::to_string(i + 1), toml_number(lens.k[i], 8));
   }
+  return edit_toml_file(path, values);
+}
+
+Status write_robot(const std::filesystem::path& path, const RobotConfig& robot, double latency_s) {
+  const Wheels& wheels = robot.wheels;
+  TomlValues values = {{"wheels.track_width_m", toml_number(wheels.track_width_m, 6)},
+                       {"wheels.left_scale", toml_number(wheels.left_scale, 6)},
+                       {"wheels.right_scale", toml_number(wheels.right_scale, 6)},
+                       {"odometry.latency_s", toml_number(latency_s, 4)}};
+  if (is_recording(path)) {
+    auto sensor = read_sensor_file(layout::sensor(path));
+    if (!sensor) return sensor.error();
+    sensor->mount = robot.mount;
+    const Status written = write_file(layout::sensor(path), format_sensor_file(*sensor));
+    return written ? edit_toml_file(layout::robot(path), values) : written;
+  }
+  constexpr double kDegPerRad = 180.0 / std::numbers::pi;
+  const CameraMount& m = robot.mount;
+  values.emplace_back("mount.x_m", toml_number(m.x_m, 4));
+  values.emplace_back("mount.y_m", toml_number(m.y_m, 4));
+  values.emplace_back("mount.z_m", toml_number(m.z_m, 4));
+  values.emplace_back("mount.roll_deg", toml_number(m.roll_rad * kDegPerRad, 4));
+  values.emplace_back("mount.pitch_deg", toml_number(m.pitch_rad * kDegPerRad, 4));
+  values.emplace_back("mount.yaw_deg", toml_number(m.yaw_rad * kDegPerRad, 4));
   return edit_toml_file(path, values);
 }
 

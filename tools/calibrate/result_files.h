@@ -6,7 +6,7 @@
 #include <string>
 
 #include "platform/base/result.h"
-#include "slam/image/lens.h"
+#include "slam/robot.h"
 
 namespace zenith::tools {
 
@@ -15,6 +15,9 @@ bool is_recording(const std::filesystem::path& path);
 
 // A new lens. The mount and the rate of a recording stay.
 Status write_lens(const std::filesystem::path& path, const Lens& lens);
+
+// Mount and wheels, and by how much the base's frames are late.
+Status write_robot(const std::filesystem::path& path, const RobotConfig& robot, double latency_s);
 
 // sensor.yaml with this lens; of an older file the mount and the rate stay.
 Status write_sensor_file(const std::filesystem::path& path, const Lens& lens);

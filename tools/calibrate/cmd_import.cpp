@@ -1,0 +1,92 @@
+// zenith calibrate import: a lens that another program calibrated.
+
+#include <cstdio>
+#include <memory>
+
+#include "tools/calibrate/commands.h"
+#include "tools/calibrate/import.h"
+#include "tools/calibrate/result_files.h"
+#include "tools/commands.h"
+
+namespace zenith::tools {
+namespace {
+
+constexpr const char* kHelp =
+    R"(Reads the calibration of a lens: Kalibr's camchain.yaml, OpenCV's yaml or xml, ROS's camera_info
+yaml, Basalt's json. Fisheye lenses (equidistant, Kannala-Brandt) are taken as they are; other models
+are fitted, and the error that remains is told; what cannot be fitted within a pixel is refused.
+
+OpenCV's files do not say which model they mean: four coefficients are taken for cv::fisheye's.
+
+Examples:
+  zenith calibrate import camchain.yaml --write zenith.toml
+  zenith calibrate import stereo.yaml --camera cam1 --sensor sensor.yaml
+  zenith calibrate import calibration.yml --size 640x480)";
+
+struct ImportCommand {
+  std::string file;
+  std::string camera;
+  std::string size;
+  std::string sensor;
+  std::string write_to;
+};
+
+Result<ForeignLens> choose(const std::vector<ForeignLens>& lenses, const std::string& camera) {
+  if (camera.empty() && lenses.size() == 1) return lenses.front();
+  std::string names;
+  for (const ForeignLens& lens : lenses) {
+    if (lens.camera == camera) return lens;
+    names += (names.empty() ? "" : ", ") + lens.camera;
+  }
+  return Error{"the file has the cameras " + names + "; choose one with --camera"};
+}
+
+int run_import(const ImportCommand& command) {
+  const auto lenses = read_foreign_lenses(command.file);
+  if (!lenses) return fail(lenses.error());
+  auto chosen = choose(*lenses, command.camera);
+  if (!chosen) return fail({command.file + ": " + chosen.error().message});
+  if (!command.size.empty() &&
+      std::sscanf(command.size.c_str(), "%dx%d", &chosen->width_px, &chosen->height_px) != 2) {
+    return fail({"expected --size WIDTHxHEIGHT, found '" + command.size + "'"}) + 1;
+  }
+  if (chosen->width_px == 0) {
+    return fail({command.file + ": says no image size; say it: --size WIDTHxHEIGHT"});
+  }
+  const auto imported = import_lens(*chosen);
+  if (!imported) return fail({command.file + ": " + imported.error().message});
+  const Lens& lens = imported->lens;
+  std::printf("%s, %s, %d x %d pixels, out to %.0f degrees\n", chosen->format.c_str(),
+              chosen->model.c_str(), lens.width_px, lens.height_px, imported->widest_deg);
+  if (!imported->exact) {
+    std::printf("fitted by an equidistant lens: %.3f px root mean square, %.3f px at worst\n",
+                imported->rms_px, imported->worst_px);
+  }
+  std::printf("fu %.4f  fv %.4f  cu %.4f  cv %.4f\nk  %.8f  %.8f  %.8f  %.8f\n", lens.fu_px,
+              lens.fv_px, lens.cu_px, lens.cv_px, lens.k[0], lens.k[1], lens.k[2], lens.k[3]);
+  if (imported->widest_deg < 50.0) {
+    warn({"the lens is narrow: a wider one sees more of the ceiling, and the map needs it"});
+  }
+  Status done;
+  if (!command.sensor.empty()) done = write_sensor_file(command.sensor, lens);
+  if (done && !command.write_to.empty()) done = write_lens(command.write_to, lens);
+  return done ? 0 : fail(done.error());
+}
+
+}  // namespace
+
+void add_calibrate_import(CLI::App& calibrate, int& exit_code) {
+  const auto command = std::make_shared<ImportCommand>();
+  CLI::App* import = calibrate.add_subcommand("import", "Read a lens calibrated elsewhere");
+  import->footer(kHelp);
+  import->add_option("FILE", command->file, "the calibration")->required();
+  import->add_option("--camera", command->camera, "which one, of a file with several");
+  import->add_option("--size", command->size, "of the images, when the file does not say it");
+  import->add_option("--sensor", command->sensor, "write a recording's sensor.yaml");
+  import->add_option("--write", command->write_to,
+                     "take the lens over into this zenith.toml, or this recording's folder");
+  import->callback([command, &exit_code] { exit_code = run_import(*command);
+});
+}  // namespace zenith::tools
+
+}  // namespace zenith::tools

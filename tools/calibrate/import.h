@@ -1,0 +1,44 @@
+#pragma once
+// Lenses that other programs calibrated: Kalibr's camchain, OpenCV's FileStorage, ROS's
+// camera_info, Basalt's JSON.
+//
+// Equidistant lenses (Kannala-Brandt) are taken as they are. Others (plumb_bob and
+// rational_polynomial of narrow lenses, omni and ds and eucm of wide ones) are fitted: the
+// equidistant lens that shows the same rays at the same pixels, with the error that remains.
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "platform/base/result.h"
+#include "slam/image/lens.h"
+
+namespace zenith::tools {
+
+// A lens in its own model. Names as Kalibr's: "pinhole-equi", "pinhole-radtan", "pinhole-none",
+// "pinhole-fov", "eucm-none", "ds-none", "omni-radtan", "omni-none"; "pinhole-rational" is ROS's.
+struct ForeignLens {
+  std::string format;  // "Kalibr", ...
+  std::string camera;  // its name in the file, empty when there is only one
+  std::string model;
+  int width_px = 0;
+  int height_px = 0;
+  std::vector<double> intrinsics;  // model's own, then fu, fv, cu, cv
+  std::vector<double> distortion;
+};
+
+// All lenses of a file. The error says what was expected and what was found.
+Result<std::vector<ForeignLens>> read_foreign_lenses(const std::filesystem::path& path);
+
+struct ImportedLens {
+  Lens lens;
+  bool exact = true;    // the same model
+  double rms_px = 0.0;  // of a fitted one, over the whole image
+  double worst_px = 0.0;
+  double widest_deg = 0.0;  // from the axis, in the image
+};
+
+// Refused when no equidistant lens comes near to it.
+Result<ImportedLens> import_lens(const ForeignLens& foreign);
+
+}  // namespace zenith::tools
