@@ -394,7 +394,7 @@ TEST(Synchroniser, SaysWhenItHasSomething) {
   for (std::uint32_t id = 1; id <= 3000; ++id) rig.sync.set_own(rig_landmark(id));
   rig.hear(0, Payload().state(7, 50, 50, 0));
   Time now = rig.at(rig.now_s);
-  std::size_t news = 0;
+  std::uint64_t news = 0;
   int idle = 0;
   while (now < rig.at(110.0)) {
     rig.now_s = static_cast<double>(now.ns) * 1e-9;
