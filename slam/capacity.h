@@ -2,6 +2,7 @@
 // Every capacity of the core, in one place, each derived from who needs it.
 
 #include <cstddef>
+#include <cstdint>
 
 namespace zenith {
 
@@ -23,12 +24,14 @@ inline constexpr int kMaxParticles = 1024;
 inline constexpr int kMaxLandmarks = 4096;
 
 // Looks of one landmark: at most 20, as in the paper (III-A). All landmarks share one pool with
-// eight for each on average.
+// five for each on average; in simulated buildings they have 3.6 to 4.0. The last ones are kept for
+// landmarks that have none yet.
 inline constexpr int kMaxAppearances = 20;
-inline constexpr int kAppearancePool = 8 * kMaxLandmarks;
+inline constexpr int kAppearancePool = 5 * kMaxLandmarks;
 
-// Frames in which landmarks were first seen and that still carry one: 2 landmarks each on average.
-inline constexpr int kMaxAnchors = 2048;
+// Frames in which landmarks were first seen and that still carry one: 2.7 landmarks each on
+// average; in simulated buildings they have 4.1 to 4.3.
+inline constexpr int kMaxAnchors = 1536;
 
 // Published landmarks that were removed since peers were last told. More: peers keep them.
 inline constexpr int kMaxRemovals = 1024;
@@ -43,11 +46,15 @@ inline constexpr int kMaxWheelSamples = 256;
 inline constexpr int kMaxPeers = 80;
 
 // Landmarks kept of one peer: as many as it may have itself. All peers share one pool, handed out
-// in blocks: four whole maps, or 80 of a single room (256 landmarks) each.
+// in blocks: eight whole maps and the own one, or 80 of 384 landmarks each and the own one.
+inline constexpr int kWholePeerMaps = 8;
 inline constexpr int kMaxPeerLandmarks = kMaxLandmarks;
 inline constexpr int kPeerBlock = 128;
-inline constexpr int kPeerBlocks = 160;
+inline constexpr int kPeerBlocks = 288;
 inline constexpr int kPeerLandmarkPool = kPeerBlock * kPeerBlocks;
+
+// Looks of the landmarks of one block: four each on average; simulated robots tell 2.5 to 2.8.
+inline constexpr int kPeerBlockLooks = 4 * kPeerBlock;
 
 // The looks of a landmark that travel: six whole records fill a datagram.
 inline constexpr int kPublishedAppearances = 7;
@@ -60,6 +67,11 @@ inline constexpr int kFewHypotheses = 3;
 inline constexpr int kHypothesisReserve = (kMaxPeers + 1) * kFewHypotheses;
 inline constexpr int kHypothesisPool = 384;
 inline constexpr int kMaxCorrespondences = 1024;
+
+// Pairs are kept in blocks: each hypothesis has one of its own, and further ones of a pool. Enough
+// for alignments that pair every landmark of all peers, and for 192 blocks of their rivals.
+inline constexpr int kPairBlock = 64;
+inline constexpr int kPairBlocks = kPeerLandmarkPool / kPairBlock + 192;
 
 // Robots in a joint replay (stacked updates).
 inline constexpr int kMaxObservers = 9;
@@ -80,11 +92,17 @@ inline constexpr int kMaxRecordsOfPeer = kMaxOwnRecords;
 
 static_assert(kMaxForeignRecords >= 1024 * kMaxSessions);
 static_assert(kMaxForeignRecords >= kPeerLandmarkPool, "as many as the core keeps");
+static_assert(kMaxForeignRecords >= kWholePeerMaps * kMaxRecordsOfPeer);
 static_assert(kPublishedAppearances <= kMaxAppearances);
 static_assert(kAppearancePool >= kMaxLandmarks, "every landmark has at least one look");
-static_assert(kPeerLandmarkPool >= 4 * kMaxPeerLandmarks + kMaxLandmarks,
+static_assert(kPeerBlockLooks >= kPeerBlock, "every landmark has at least one look");
+static_assert(kPeerBlockLooks <= INT16_MAX, "PeerLandmark::first_look");
+static_assert(kPublishedAppearances <= kPeerBlockLooks - (kPeerBlock - 1));
+static_assert(kPeerLandmarkPool >= kWholePeerMaps * kMaxPeerLandmarks + kMaxLandmarks,
               "and the own map, which is searched for repetitions as if it were a peer's");
 static_assert(kMaxPeerLandmarks % kPeerBlock == 0);
+static_assert(kPeerBlocks >= 3 * kMaxPeers + kMaxLandmarks / kPeerBlock);
+static_assert(kMaxCorrespondences % kPairBlock == 0);
 static_assert(kHypothesisPool >= kHypothesisReserve + 8 * kMaxHypotheses);
 static_assert(kCompactLength < kPatchLength);
 

@@ -15,6 +15,7 @@ constexpr double kThresholdStep = 0.8;
 }  // namespace
 
 void FeatureExtractor::layout(Arena& arena) {
+  arena.part("image: rectification, corners, patches");
   rectifier_.layout(arena);
   detector_.layout(arena);
   rectified_ = arena.take<std::uint8_t>(kRectifiedSize * kRectifiedSize);

@@ -13,8 +13,9 @@ namespace zenith {
 
 void Mapper::layout(Arena& arena, const Parameters& parameters) {
   const int n = std::min(parameters.particles, kMaxParticles);
-  particles_.layout(arena, n);
   own_map_.layout(arena, n);
+  arena.part("filter: particles, proposal, association");
+  particles_.layout(arena, n);
   associator_.layout(arena);
   proposal_.layout(arena, n);
   const auto stride = static_cast<std::size_t>(row_stride(n));

@@ -10,12 +10,14 @@
 
 namespace zenith {
 
-std::size_t Slam::memory_needed(const Parameters& parameters) {
-  Arena arena;
+MemoryTable Slam::memory_table(const Parameters& parameters) {
+  MemoryTable table;
+  Arena arena(table);
+  arena.part("state of the step");
   arena.take<std::byte>(sizeof(State));
   State state;
   state.layout(arena, parameters);
-  return arena.used();
+  return table;
 }
 
 Slam::Slam(const RobotConfig& robot, const Parameters& parameters, std::uint64_t seed,

@@ -12,6 +12,7 @@
 
 #include <Eigen/Core>
 
+#include "platform/base/memory_table.h"
 #include "platform/base/time.h"
 #include "slam/capacity.h"
 #include "slam/counters.h"
@@ -48,8 +49,12 @@ struct StepOutput {
 
 class Slam {
  public:
-  // Bytes that the constructor needs. Depends on the parameters (particles) alone.
-  static std::size_t memory_needed(const Parameters& parameters);
+  // What the constructor needs, by parts, and how many bytes together. Depends on the parameters
+  // (particles) alone.
+  static MemoryTable memory_table(const Parameters& parameters);
+  static std::size_t memory_needed(const Parameters& parameters) {
+    return memory_table(parameters).total();
+  }
 
   // `memory` must outlive the Slam, be aligned to 64 bytes and hold memory_needed() bytes.
   Slam(const RobotConfig& robot, const Parameters& parameters, std::uint64_t seed,

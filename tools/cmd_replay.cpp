@@ -61,7 +61,9 @@ int run_replay(ReplayCommand& command) {
   if (!result.ok()) return fail(result.error());
   if (const Status placed = output->commit(); !placed) return fail(placed.error());
   warn(result->warnings);
-  std::printf("%s\n%s\n", figures_text(result->figures).c_str(), command.out.c_str());
+  std::printf("%s\nmemory: %.1f MiB for each robot, taken at the start\n%s\n",
+              figures_text(result->figures).c_str(),
+              static_cast<double>(result->memory_bytes) / (1024.0 * 1024.0), command.out.c_str());
   return 0;
 }
 

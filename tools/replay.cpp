@@ -56,6 +56,7 @@ Result<ReplayResult> replay(const ReplayPlan& plan, const std::filesystem::path&
   if (const Status written = timeline.finish(); !written) return written.error();
   ReplayResult result;
   result.figures = judge(*log);
+  result.memory_bytes = Slam::memory_needed(plan.parameters);
   RunDescription run;
   run.seed = plan.seed;
   run.parameters = plan.parameters;

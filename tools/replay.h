@@ -25,6 +25,7 @@ struct ReplayPlan {
 struct ReplayResult {
   TeamFigures figures;
   std::vector<std::string> warnings;
+  std::size_t memory_bytes = 0;  // of each robot
 };
 
 // Into `folder`, which the caller keeps atomic.

@@ -11,6 +11,8 @@
 #include <span>
 #include <type_traits>
 
+#include "platform/base/memory_table.h"
+
 namespace zenith {
 
 class Arena {
@@ -18,7 +20,12 @@ class Arena {
   static constexpr std::size_t kAlignment = 64;  // a cache line, an AVX-512 register
 
   Arena() = default;  // counts only
+  // Counts, and tells `table` what for.
+  explicit Arena(MemoryTable& table) : table_(&table) {}
   explicit Arena(std::span<std::byte> block) : block_(block) {}
+
+  // What the memory is for that is taken from now on: a literal.
+  void part(const char* name) { part_ = name; }
 
   bool counting() const { return block_.data() == nullptr; }
   std::size_t used() const { return used_; }
@@ -31,6 +38,7 @@ class Arena {
     const std::size_t bytes = (count * sizeof(T) + kAlignment - 1) / kAlignment * kAlignment;
     const std::size_t offset = used_;
     used_ += bytes;
+    if (table_ != nullptr) table_->add(part_, bytes);
     if (counting()) return {};
     assert(used_ <= block_.size());
     T* start = reinterpret_cast<T*>(block_.data() + offset);
@@ -41,6 +49,8 @@ class Arena {
  private:
   std::span<std::byte> block_;
   std::size_t used_ = 0;
+  MemoryTable* table_ = nullptr;
+  const char* part_ = "other";
 };
 
 }  // namespace zenith

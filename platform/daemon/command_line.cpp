@@ -8,6 +8,7 @@
 
 #include "platform/daemon/config_text.h"
 #include "platform/daemon/daemon.h"
+#include "platform/daemon/memory_report.h"
 #include "platform/daemon/version.h"
 #include "platform/link/fleet_key.h"
 #include "platform/linux/cpu.h"
@@ -15,7 +16,6 @@
 #include "platform/linux/realtime.h"
 #include "platform/linux/signals.h"
 #include "slam/kernels/isa_in_use.h"
-#include "slam/slam.h"
 
 namespace zenith {
 namespace {
@@ -99,11 +99,11 @@ void print_limits(const RealtimeConfig& realtime) {
               static_cast<unsigned long long>(limits.fifo_priority),
               realtime.cpus.empty() ? "any" : realtime.cpus.c_str());
   if (!realtime.lock_memory) {
-    std::printf("memory:    not locked\n");
+    std::printf("locked:    no\n");
   } else if (limits.locked_bytes == RealtimeLimits::kUnlimited) {
-    std::printf("memory:    locked (this shell's limit: none)\n");
+    std::printf("locked:    all memory (this shell's limit: none)\n");
   } else {
-    std::printf("memory:    locked (this shell's limit: %llu KiB)\n",
+    std::printf("locked:    all memory (this shell's limit: %llu KiB)\n",
                 static_cast<unsigned long long>(limits.locked_bytes / 1024));
   }
 }
@@ -135,13 +135,14 @@ int check(const DaemonConfig& config, MakeDevices make_devices) {
   std::printf("devices:   %s\n", devices->description.c_str());
   std::printf("frames:    %d x %d, %g a second\n", lens.width_px, lens.height_px,
               devices->robot.frame_rate_hz);
-  std::printf("map:       %d particles, %zu KiB\n", config.slam.particles,
-              Slam::memory_needed(config.slam) / 1024);
+  std::printf("map:       %d particles\n", config.slam.particles);
   std::printf("kernels:   %s\n", std::string(isa_name(isa_in_use())).c_str());
   print_limits(config.realtime);
   std::printf("telemetry: %s\n",
               config.telemetry.enabled ? runtime_path(config.telemetry.socket).c_str() : "none");
   if (!print_fleet_key(config.radio)) return 2;
+  std::printf("memory of the algorithm, all of it taken at the start:\n%s",
+              memory_text(daemon_memory(config)).c_str());
   std::printf("The configuration is good. Devices were not opened.\n");
   return 0;
 }

@@ -9,6 +9,7 @@
 #include "platform/daemon/cooperation.h"
 #include "platform/daemon/device_keeper.h"
 #include "platform/daemon/housekeeping.h"
+#include "platform/daemon/memory_report.h"
 #include "platform/daemon/perception.h"
 #include "platform/daemon/radio_link.h"
 #include "platform/daemon/tap/daemon_tap.h"
@@ -165,7 +166,8 @@ int run_daemon(const DaemonConfig& config, const std::filesystem::path& file,
   DeviceKeeper keeper(*devices->camera, perception->camera_turn(), *devices->can,
                       perception->can_turn());
   log_line(LogLevel::kInfo, "devices: %s", devices->description.c_str());
-  log_line(LogLevel::kInfo, "memory of the map: %zu KiB", perception->memory_bytes() / 1024);
+  log_line(LogLevel::kInfo, "memory of the algorithm: %zu KiB, for what: --check",
+           daemon_memory(config).total() / 1024);
 
   Report report;
   CpuDmaLatency awake;

@@ -66,8 +66,6 @@ class Perception {
   // One reader: the picture that came since the last call, or nullptr. Valid until the next call.
   const Picture* next_picture() { return pictures_.fetch() ? &pictures_.front() : nullptr; }
 
-  std::size_t memory_bytes() const { return memory_.span().size(); }
-
  private:
   void turn_once();
   void take_live();

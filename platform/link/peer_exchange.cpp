@@ -5,11 +5,12 @@
 namespace zenith {
 namespace {
 
-std::size_t memory_needed() {
-  Arena arena;
+MemoryTable synchroniser_memory() {
+  MemoryTable table;
+  Arena arena(table);
   exchange::Synchroniser synchroniser;
   synchroniser.layout(arena);
-  return arena.used();
+  return table;
 }
 
 exchange::Settings with_names(exchange::Settings settings, const SessionSettings& sessions) {
@@ -21,8 +22,14 @@ exchange::Settings with_names(exchange::Settings settings, const SessionSettings
 
 }  // namespace
 
+MemoryTable PeerExchange::memory_table() {
+  MemoryTable table = synchroniser_memory();
+  table.add("exchange: sessions, what is asked and told", sizeof(PeerExchange));
+  return table;
+}
+
 PeerExchange::PeerExchange(const PeerExchangeSettings& settings)
-    : sessions_(settings.sessions), memory_(memory_needed()) {
+    : sessions_(settings.sessions), memory_(synchroniser_memory().total()) {
   Arena arena(memory_.span());
   synchroniser_.layout(arena);
   synchroniser_.configure(with_names(settings.synchroniser, settings.sessions));

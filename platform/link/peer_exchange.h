@@ -47,7 +47,8 @@ class PeerExchange {
   // The own map and state; peers' states. Not its join(), leave(), receive() and next().
   exchange::Synchroniser& synchroniser() { return synchroniser_; }
   const exchange::Synchroniser& synchroniser() const { return synchroniser_; }
-  std::size_t memory_bytes() const { return sizeof *this + memory_.span().size(); }
+  // What one takes, itself and all that its constructor takes.
+  static MemoryTable memory_table();
   Sessions& sessions() { return sessions_; }
   const Sessions& sessions() const { return sessions_; }
 

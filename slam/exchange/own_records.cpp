@@ -31,7 +31,7 @@ void OwnRecords::clear() {
 OwnRecords::Outcome OwnRecords::set(const LandmarkRecord& record) {
   EncodedRecord encoded;
   if (!encode_record(record, encoded)) return Outcome::kUntellable;
-  std::int32_t i = table_.find(record.id);
+  std::int32_t i = table_.find(record.id, id_of());
   if (i < 0) {
     if (record.removed) return Outcome::kTaken;  // nobody knows it
     i = enter(record.id);
@@ -57,12 +57,12 @@ std::int32_t OwnRecords::enter(std::uint32_t id) {
   const std::int32_t i = free_[--free_count_];
   entry(i) = Entry{};
   entry(i).id = id;
-  table_.enter(id, i);
+  table_.enter(id, i, id_of());
   return i;
 }
 
 void OwnRecords::release(std::int32_t i) {
-  table_.forget(entry(i).id);
+  table_.forget(entry(i).id, id_of());
   entry(i) = Entry{};
   free_[free_count_++] = i;
 }

@@ -81,6 +81,9 @@ class OwnRecords {
   }
   Entry& entry(std::int32_t i) { return entries_[static_cast<std::size_t>(i)]; }
   const Entry& entry(std::int32_t i) const { return entries_[static_cast<std::size_t>(i)]; }
+  auto id_of() const {
+    return [this](std::int32_t i) { return std::uint64_t{entry(i).id}; };
+  }
   std::int32_t enter(std::uint32_t id);
   void release(std::int32_t i);
   bool forget_a_removal();

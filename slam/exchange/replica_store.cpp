@@ -27,7 +27,7 @@ void ReplicaStore::clear() {
 }
 
 const ForeignRecord* ReplicaStore::find(int slot, std::uint32_t id) const {
-  const std::int32_t i = table_.find(key(slot, id));
+  const std::int32_t i = table_.find(key(slot, id), key_of());
   return i < 0 ? nullptr : &record(i);
 }
 
@@ -49,7 +49,7 @@ std::int32_t ReplicaStore::enter(int slot, std::uint32_t id) {
   if (owner.first >= 0) record(owner.first).previous = i;
   owner.first = i;
   ++owner.records;
-  table_.enter(key(slot, id), i);
+  table_.enter(key(slot, id), i, key_of());
   return i;
 }
 
@@ -63,12 +63,12 @@ void ReplicaStore::release(std::int32_t i) {
   if (r.next >= 0) record(r.next).previous = r.previous;
   (r.previous >= 0 ? record(r.previous).next : owner.first) = r.next;
   --owner.records;
-  table_.forget(key(r.slot, r.id));
+  table_.forget(key(r.slot, r.id), key_of());
   free_[free_count_++] = i;
 }
 
 void ReplicaStore::apply(int slot, const LandmarkRecord& news) {
-  std::int32_t i = table_.find(key(slot, news.id));
+  std::int32_t i = table_.find(key(slot, news.id), key_of());
   if (i < 0) i = enter(slot, news.id);
   ForeignRecord& r = record(i);
   Replica& owner = replica(slot);
@@ -88,7 +88,7 @@ void ReplicaStore::apply(int slot, const LandmarkRecord& news) {
 }
 
 void ReplicaStore::confirm(int slot, std::uint32_t id, std::uint32_t revision) {
-  const std::int32_t i = table_.find(key(slot, id));
+  const std::int32_t i = table_.find(key(slot, id), key_of());
   if (i >= 0 && record(i).revision == revision) record(i).confirmed = true;
 }
 

@@ -71,6 +71,9 @@ class ReplicaStore {
   static std::uint64_t key(int slot, std::uint32_t id) {
     return static_cast<std::uint64_t>(slot) << 32u | id;
   }
+  auto key_of() const {
+    return [this](std::int32_t i) { return key(record(i).slot, record(i).id); };
+  }
   ForeignRecord& record(std::int32_t i) { return records_[static_cast<std::size_t>(i)]; }
   const ForeignRecord& record(std::int32_t i) const {
     return records_[static_cast<std::size_t>(i)];

@@ -9,10 +9,13 @@
 namespace zenith::exchange {
 
 void Synchroniser::layout(Arena& arena) {
+  arena.part("exchange: sessions, what is asked and told");
   const std::span<State> state = arena.take<State>(1);
   OwnRecords own;
   ReplicaStore replicas;
+  arena.part("exchange: own records");
   own.layout(arena);
+  arena.part("exchange: which of the peers' records are here");
   replicas.layout(arena);
   if (state.empty()) return;
   state_ = state.data();

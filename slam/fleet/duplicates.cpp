@@ -29,19 +29,19 @@ bool may_be_one(const Eigen::Matrix2d& P, const LandmarkInfo& own, const Eigen::
 }
 
 bool has_partner(const Hypothesis& h, int own_slot, int peer_slot) {
-  return std::any_of(h.pairs.begin(), h.pairs.end(), [&](const LandmarkPair& p) {
-    return p.own_slot == own_slot || p.peer_slot == peer_slot;
-  });
+  for (const LandmarkPair& p : h.pairs) {
+    if (p.own_slot == own_slot || p.peer_slot == peer_slot) return true;
+  }
+  return false;
 }
 
 // The best NCC of any two looks that point the same way once the peer's are turned by `turn_rad`.
-float best_similarity(const Map& map, const LandmarkInfo& own, const PeerLandmark& theirs,
-                      double turn_rad) {
+float best_similarity(const Map& map, const LandmarkInfo& own,
+                      std::span<const PeerAppearance> theirs, double turn_rad) {
   float best = 0.0F;
   for (int i = own.first_appearance; i >= 0; i = map.appearance(i).next) {
     const Appearance& a = map.appearance(i);
-    for (int k = 0; k < theirs.appearance_count; ++k) {
-      const PeerAppearance& b = theirs.appearances[static_cast<std::size_t>(k)];
+    for (const PeerAppearance& b : theirs) {
       const double turn = static_cast<double>(a.direction_rad - b.direction_rad);
       if (std::abs(wrap_angle(turn - turn_rad)) > kMaxTurn_rad) continue;
       best = std::max(best, ncc(a.compact, b.compact));
@@ -57,8 +57,9 @@ struct Near {
   int one_corner = -1;  // slot of the nearest within kOneCorner_m, whatever it looks like
 };
 
-Near look_around(const Hypothesis& h, const PeerLandmark& l, const Map& map) {
+Near look_around(const Hypothesis& h, const PeerMap& peer, int peer_slot, const Map& map) {
   Near near;
+  const PeerLandmark& l = peer[peer_slot];
   const Eigen::Vector2d at = h.T_own_peer * l.xy();
   const Eigen::Matrix2d P =
       transform_covariance(h.T_own_peer, h.covariance, l.xy(), l.covariance_xy());
@@ -80,7 +81,7 @@ Near look_around(const Hypothesis& h, const PeerLandmark& l, const Map& map) {
       near.one_corner = static_cast<int>(slot);
     }
     if (flat > reach * reach || !may_be_one(P, o, {dx, dy})) continue;
-    const float similarity = best_similarity(map, o, l, h.T_own_peer.theta_rad);
+    const float similarity = best_similarity(map, o, peer.looks(peer_slot), h.T_own_peer.theta_rad);
     if (similarity <= best) continue;
     best = similarity;
     near.similar = static_cast<int>(slot);
@@ -97,7 +98,7 @@ void search_duplicates(Peer& peer, int place, const Map& map) {
     peer.sweep = (peer.sweep + 1) % peer.map.size();
     const PeerLandmark& l = peer.map[slot];
     if (l.present) {
-      const Near near = look_around(h, l, map);
+      const Near near = look_around(h, peer.map, slot, map);
       peer.swept.expected += near.any ? 1 : 0;
       peer.swept.hits += near.similar >= 0 ? 1 : 0;
       int partner = near.similar;

@@ -15,11 +15,15 @@ constexpr double kPairsAlike = 10.0;
 }  // namespace
 
 void Fleet::layout(Arena& arena) {
+  arena.part("peers: overlap search");
   hough_.layout(arena);
   matches_ = arena.take<OverlapMatches>(1);
   fixes_ = arena.take<PlaceFixes>(1);
+  arena.part("peers: landmarks and their looks");
   landmarks_.layout(arena);
+  arena.part("peers: hypotheses and their pairs");
   hypotheses_.layout(arena);
+  arena.part("peers: lists, and tables of ids");
   peers_ = arena.take<Peer>(kMaxPeers + 1);
   for (int i = 0; i < kMaxPeers + 1; ++i) {
     Peer scratch;

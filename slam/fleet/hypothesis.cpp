@@ -15,10 +15,10 @@ constexpr int kFoundPairs = 4;
 // Errors of one map that its landmarks' own covariances do not tell: their drift in common.
 constexpr double kMapError_m = 0.01;
 
-double looks_like(const PeerLandmark& l, const Observed& own, double heading_rad, double max_turn) {
+double looks_like(std::span<const PeerAppearance> looks, const Observed& own, double heading_rad,
+                  double max_turn) {
   double best = -1.0;
-  for (int k = 0; k < l.appearance_count; ++k) {
-    const PeerAppearance& a = l.appearances[static_cast<std::size_t>(k)];
+  for (const PeerAppearance& a : looks) {
     const double told = static_cast<double>(a.direction_rad - own.orientation_rad);
     if (std::abs(wrap_angle(told - heading_rad)) > max_turn) continue;
     best = std::max(best, static_cast<double>(ncc(a.compact, own.compact)));
@@ -112,7 +112,7 @@ FrameTest test_hypothesis(Hypothesis& h, const ObservedFrame& frame, const PeerM
       if (!heights_agree(own, l, s.height_tolerance_m)) continue;
       any = true;
       if (d2 > radius * radius) continue;
-      const double look = looks_like(l, own, T_peer_robot.theta_rad, s.max_turn_rad);
+      const double look = looks_like(peer.looks(slot), own, T_peer_robot.theta_rad, s.max_turn_rad);
       if (look <= best) continue;
       best = look;
       best_slot = slot;

@@ -11,18 +11,11 @@
 #include "platform/base/fixed_vector.h"
 #include "slam/fleet/align.h"
 #include "slam/fleet/confidence.h"
+#include "slam/fleet/landmark_pairs.h"
 #include "slam/fleet/overlap.h"
 #include "slam/map/map.h"
 
 namespace zenith {
-
-struct LandmarkPair {
-  std::int32_t own_slot = -1;
-  std::uint32_t own_id = 0;
-  std::int32_t peer_slot = -1;
-  std::uint32_t peer_id = 0;
-  std::int32_t seen = 0;  // frames that confirmed the pair
-};
 
 // One search's verdict.
 struct Support {
@@ -37,7 +30,7 @@ struct Hypothesis {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();
   double scatter = 1.0;  // mean squared distance of the pairs, per residual
   Confidence confidence;
-  FixedVector<LandmarkPair, kMaxCorrespondences> pairs;
+  PairList pairs;
   std::array<Support, kWindow> window = {};
   int searches = 0;
 

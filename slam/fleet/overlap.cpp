@@ -78,16 +78,18 @@ void find_overlap(const ObservedFrame& frame, const PeerMap& peer, const Overlap
   for (int slot = 0; slot < peer.size(); ++slot) {
     const PeerLandmark& l = peer[slot];
     if (!l.present) continue;
-    const CompactPatch& first = l.appearances[0].compact;
+    const std::span<const PeerAppearance> its = peer.looks(slot);
+    if (its.empty()) continue;
+    const CompactPatch& first = its.front().compact;
     const Looks looks = {first.values.data(), &first.inverse_norm, sizeof(PeerAppearance),
-                         l.appearance_count};
+                         static_cast<int>(its.size())};
     // Looks first: few of them agree, and heights are asked of those alone.
     const int count = match.best_of(queries, looks, settings.ncc_min, found.data());
     for (int k = 0; k < count; ++k) {
       const LookFound& f = found[static_cast<std::size_t>(k)];
       const auto i = static_cast<std::size_t>(f.query);
       if (!heights_agree(frame[i], l, settings.height_tolerance_m)) continue;
-      seekers[i].meet(slot, l.appearances[static_cast<std::size_t>(f.look)], f.ncc);
+      seekers[i].meet(slot, its[static_cast<std::size_t>(f.look)], f.ncc);
     }
   }
   for (std::size_t i = 0; i < frame.size(); ++i) seekers[i].tell(static_cast<int>(i), out);

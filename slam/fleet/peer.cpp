@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <new>
 
 namespace zenith {
 namespace {
@@ -18,6 +19,7 @@ double worth(const Hypothesis& h) {
 }  // namespace
 
 void HypothesisPool::layout(Arena& arena) {
+  pairs_.layout(arena);
   all_ = arena.take<Hypothesis>(kHypothesisPool);
   free_ = arena.take<std::int16_t>(kHypothesisPool);
   free_count_ = free_.size();
@@ -32,12 +34,13 @@ int HypothesisPool::limit() const {
 
 Hypothesis* HypothesisPool::take() {
   assert(free_count_ > 0);
-  Hypothesis* h = &all_[static_cast<std::size_t>(free_[--free_count_])];
-  *h = Hypothesis{};
+  Hypothesis* h = new (&all_[static_cast<std::size_t>(free_[--free_count_])]) Hypothesis;
+  h->pairs.use(pairs_);
   return h;
 }
 
 void HypothesisPool::give_back(Hypothesis* hypothesis) {
+  hypothesis->pairs.clear();
   free_[free_count_++] = static_cast<std::int16_t>(hypothesis - all_.data());
 }
 

@@ -23,6 +23,7 @@ class HypothesisPool {
   int limit() const;  // that one peer may have now
 
  private:
+  PairPool pairs_;
   std::span<Hypothesis> all_;
   std::span<std::int16_t> free_;
   std::size_t free_count_ = 0;

@@ -63,23 +63,24 @@ int PeerMap::new_slot() {
     const int block = pool_->take();
     if (block < 0) return -1;
     block_numbers_[static_cast<std::size_t>(block_count_)] = static_cast<std::int16_t>(block);
-    blocks_[static_cast<std::size_t>(block_count_++)] = pool_->block(block).data();
+    blocks_[static_cast<std::size_t>(block_count_++)] = &pool_->block(block);
   }
   return count_++;
 }
 
-// The entry of a new landmark, or null when the map is full of present ones.
-PeerLandmark* PeerMap::enter(std::uint32_t id) {
+// The slot of a new landmark, or -1 when the map is full of present ones.
+int PeerMap::enter(std::uint32_t id) {
   int slot = new_slot();
   if (slot < 0) {
     for (slot = 0; slot < count_ && (*this)[slot].present;) ++slot;
-    if (slot == count_) return nullptr;
+    if (slot == count_) return -1;
     forget((*this)[slot].id);
+    block_of(slot).make_looks(slot % kPeerBlock, 0);
   }
   at(slot) = PeerLandmark{};
   at(slot).id = id;
   slot_of_[bucket(id)] = static_cast<std::int16_t>(slot + 1);
-  return &at(slot);
+  return slot;
 }
 
 // Takes an id out of the hash table; those behind it move up, so that they are still found.
@@ -101,12 +102,12 @@ bool PeerMap::apply(const LandmarkRecord& r) {
     return false;
   }
   const std::size_t b = bucket(r.id);
-  PeerLandmark* entry = slot_of_[b] != 0 ? &at(slot_of_[b] - 1) : enter(r.id);
-  if (entry == nullptr) {
+  const int slot = slot_of_[b] != 0 ? slot_of_[b] - 1 : enter(r.id);
+  if (slot < 0) {
     ++rejected_;
     return false;
   }
-  PeerLandmark& l = *entry;
+  PeerLandmark& l = at(slot);
   if (l.revision >= r.revision && l.revision != 0) return true;  // old news
   l.revision = r.revision;
   l.present = !r.removed;
@@ -115,9 +116,9 @@ bool PeerMap::apply(const LandmarkRecord& r) {
   l.z_m = r.z_m;
   l.covariance_m2 = r.covariance_m2;
   l.observations = r.observations;
-  l.appearance_count = r.appearance_count;
-  for (std::size_t i = 0; i < r.appearance_count; ++i) {
-    l.appearances[i] = {compact_from(r.appearances[i].descriptor), r.appearances[i].direction_rad};
+  const auto looks = block_of(slot).make_looks(slot % kPeerBlock, r.appearance_count);
+  for (std::size_t i = 0; i < looks.size(); ++i) {
+    looks[i] = {compact_from(r.appearances[i].descriptor), r.appearances[i].direction_rad};
   }
   return true;
 }

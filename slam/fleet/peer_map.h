@@ -26,8 +26,10 @@ class PeerMap {
   // Slots below size() hold landmarks, present or removed; a landmark keeps its slot as long as it
   // is remembered.
   int size() const { return count_; }
-  const PeerLandmark& operator[](int slot) const {
-    return blocks_[static_cast<std::size_t>(slot / kPeerBlock)][slot % kPeerBlock];
+  const PeerLandmark& operator[](int slot) const { return block_of(slot)[slot % kPeerBlock]; }
+  // At most kPublishedAppearances; fewer than the peer told when its block is full of looks.
+  std::span<const PeerAppearance> looks(int slot) const {
+    return block_of(slot).looks(slot % kPeerBlock);
   }
   bool empty() const { return count_ == 0; }
   std::uint64_t rejected() const { return rejected_; }
@@ -38,16 +40,17 @@ class PeerMap {
   static std::size_t home_of(std::uint32_t id) {
     return (id * 2654435761U) % kBuckets;  // Knuth's multiplicative hash
   }
-  PeerLandmark& at(int slot) {
-    return blocks_[static_cast<std::size_t>(slot / kPeerBlock)][slot % kPeerBlock];
+  PeerLandmarkBlock& block_of(int slot) const {
+    return *blocks_[static_cast<std::size_t>(slot / kPeerBlock)];
   }
+  PeerLandmark& at(int slot) { return block_of(slot)[slot % kPeerBlock]; }
   std::size_t bucket(std::uint32_t id) const;  // where it stands, or the free one where it would
   int new_slot();
-  PeerLandmark* enter(std::uint32_t id);
+  int enter(std::uint32_t id);
   void forget(std::uint32_t id);
 
   PeerLandmarkPool* pool_ = nullptr;
-  std::array<PeerLandmark*, kMaxBlocks> blocks_ = {};
+  std::array<PeerLandmarkBlock*, kMaxBlocks> blocks_ = {};
   std::array<std::int16_t, kMaxBlocks> block_numbers_ = {};
   int block_count_ = 0;
   int count_ = 0;

@@ -22,17 +22,22 @@ static_assert(kSweepLandmarks >= 1 && kSweepAnchors >= 1);
 
 void Map::layout(Arena& arena, int particles) {
   particles_ = particles;
+  arena.part("own map: ancestry of particles");
   ancestry_.layout(arena, particles);
+  arena.part("own map: landmarks' rows of particles");
   rows_.layout(arena, kMaxLandmarks, particles);
+  arena.part("own map: anchors' rows of particles");
   anchor_rows_.layout(arena, kMaxAnchors, particles);
+  arena.part("own map: landmarks, anchors, calibration");
   infos_ = arena.take<LandmarkInfo>(kLandmarks);
   free_slots_ = arena.take<std::int32_t>(kLandmarks);
   anchor_users_ = arena.take<std::int32_t>(kAnchors);
   free_anchors_ = arena.take<std::int32_t>(kAnchors);
-  pool_ = arena.take<Appearance>(kAppearancePool);
   removals_ = arena.take<Removal>(kMaxRemovals);
   calibrations_ = arena.take<LandmarkCalibration>(kLandmarks);
   anchor_calibrations_ = arena.take<AnchorCalibration>(kAnchors);
+  arena.part("own map: looks");
+  pool_ = arena.take<Appearance>(kAppearancePool);
 }
 
 void Map::reset() {
@@ -48,6 +53,7 @@ void Map::reset() {
     pool_[static_cast<std::size_t>(i)].next = i + 1 < kAppearancePool ? i + 1 : -1;
   }
   free_appearance_ = 0;
+  appearances_free_ = kAppearancePool;
   size_ = 0;
   slots_used_ = 0;
   anchors_used_ = 0;
@@ -78,6 +84,7 @@ void Map::remove(int slot) {
     const int next = pool_[static_cast<std::size_t>(i)].next;
     pool_[static_cast<std::size_t>(i)].next = free_appearance_;
     free_appearance_ = i;
+    ++appearances_free_;
     i = next;
   }
   if (l.revision > 0) {
@@ -125,10 +132,12 @@ void Map::release_if_unused(int anchor) {
 bool Map::add_appearance(int slot, const Patch& patch, const CompactPatch& compact,
                          float direction_rad) {
   LandmarkInfo& l = info(slot);
-  if (l.appearance_count == kMaxAppearances || free_appearance_ < 0) return false;
+  const int kept = l.appearance_count == 0 ? 0 : kMaxLandmarks - size_;
+  if (l.appearance_count == kMaxAppearances || appearances_free_ <= kept) return false;
   const int i = free_appearance_;
   Appearance& a = pool_[static_cast<std::size_t>(i)];
   free_appearance_ = a.next;
+  --appearances_free_;
   a = {patch, compact, direction_rad, l.first_appearance};
   l.first_appearance = i;
   ++l.appearance_count;

@@ -36,7 +36,8 @@ class Map {
   int create_anchor(const CameraRows& camera, const PoseSensitivity& by_calibration);
   void release_if_unused(int anchor);
 
-  // Adds a look; false when the landmark has kMaxAppearances or the pool is empty.
+  // Adds a look; false when the landmark has kMaxAppearances, or when the pool has no more than
+  // the first looks of landmarks that may still come.
   bool add_appearance(int slot, const Patch& patch, const CompactPatch& compact,
                       float direction_rad);
 
@@ -87,6 +88,7 @@ class Map {
   int anchors_used_ = 0;
   std::uint32_t next_id_ = 1;
   int free_appearance_ = -1;
+  int appearances_free_ = 0;
   int sweep_landmark_ = 0;
   int sweep_anchor_ = 0;
   double way_m_ = 0.0;

@@ -39,7 +39,7 @@ class FleetNode final : public sim::NetworkNode, public RecordSink {
   Synchroniser& sync() { return link_->synchroniser(); }
   std::string name() const { return "robot-" + std::to_string(number_); }
   Endpoint address() const { return address_of(static_cast<std::uint8_t>(number_ + 1)); }
-  std::size_t memory_bytes() const { return link_->memory_bytes(); }
+  std::size_t memory_bytes() const { return PeerExchange::memory_table().total(); }
   std::uint32_t map() const { return map_; }
   std::uint64_t robot() const { return link_->sessions().own().robot; }
   std::uint64_t rejected(Rejected reason) const {

@@ -16,6 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using testing::AllOf;
+using testing::ContainsRegex;
 using testing::HasSubstr;
 using tools::read_text;
 using tools::write_text;
@@ -151,7 +152,9 @@ TEST_F(DaemonTest, PlaysARecordingAndStandsAtItsEnd) {
                  socket_ + "\"\n");
   std::string said;
   EXPECT_EQ(run({ZENITHD_SIM, "--config", file_, "--check"}, said), 0);
-  EXPECT_THAT(said, AllOf(HasSubstr("replay of "), HasSubstr("32 x 24, 10 a second")));
+  EXPECT_THAT(said, AllOf(HasSubstr("replay of "), HasSubstr("32 x 24, 10 a second"),
+                          ContainsRegex("own map: looks +[0-9.]+ MiB\n"),
+                          ContainsRegex("total +[0-9.]+ MiB\n")));
   EXPECT_EQ(run({ZENITHD, "--config", file_, "--check"}, said), 2);
   EXPECT_THAT(said, AllOf(HasSubstr("camera.driver = \"replay\""), HasSubstr("zenithd-sim")));
 

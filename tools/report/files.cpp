@@ -164,7 +164,10 @@ std::string summary_text_of(const TeamLog& log, const TeamFigures& figures,
   if (log.joint) json["joint"] = joint_json(log, *log.joint);
   for (std::size_t i = 0; i < log.robots.size(); ++i) {
     nlohmann::json& robot = json["robots"][i];
-    robot["memory_bytes"] = log.robots[i].memory_bytes;
+    robot["memory_bytes"] = log.robots[i].memory.total();
+    for (const MemoryPart& part : log.robots[i].memory.parts()) {
+      robot["memory"].push_back({{"part", part.name}, {"bytes", part.bytes}});
+    }
     robot["counters"] = counters_json(log.robots[i].counters);
     if (i < run.warnings.size()) robot["warnings"] = run.warnings[i];
     int merges = 0;

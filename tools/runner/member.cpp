@@ -13,7 +13,7 @@ Member::Member(Source& source, const Parameters& parameters, std::uint64_t seed,
       memory_(Slam::memory_needed(parameters)) {
   slam_.emplace(source.config(), parameters, seed, memory_.span());
   log_.name = source.name();
-  log_.memory_bytes = memory_.span().size();
+  log_.memory = Slam::memory_table(parameters);
   log_.frames.reserve(static_cast<std::size_t>(source.frame_count()));
 }
 

@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 
+#include "platform/base/memory_table.h"
 #include "platform/base/time.h"
 #include "slam/geometry.h"
 #include "slam/joint.h"
@@ -43,7 +44,7 @@ struct RobotLog {
   std::string name;
   std::vector<FrameLog> frames;
   StepCounters counters;
-  std::size_t memory_bytes = 0;
+  MemoryTable memory;  // of its Slam
   std::vector<LandmarkEstimate> landmarks;
   std::vector<FusedLandmark> fused;                          // `source` is a slot, see peer_of_slot
   std::vector<std::vector<Correspondence>> correspondences;  // by the peer's index in the team

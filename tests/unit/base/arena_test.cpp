@@ -41,6 +41,23 @@ TEST(Arena, CountsWhatTheSameLayoutThenTakes) {
   EXPECT_EQ(tables.doubles.size(), 100u);
 }
 
+TEST(Arena, TellsATableWhatItCountsFor) {
+  MemoryTable table;
+  Arena counting(table);
+  Tables tables;
+  counting.part("tables");
+  tables.layout(counting);
+  counting.part("more");
+  counting.take<std::uint8_t>(1);
+  counting.part("tables");
+  counting.take<std::uint8_t>(1);
+  ASSERT_EQ(table.parts().size(), 2U);
+  EXPECT_STREQ(table.parts()[0].name, "tables");
+  EXPECT_EQ(table.parts()[0].bytes, 64U + 832U + 64U);
+  EXPECT_EQ(table.parts()[1].bytes, 64U);
+  EXPECT_EQ(table.total(), counting.used());
+}
+
 TEST(Arena, HandsOutAlignedZeroedArraysThatDoNotOverlap) {
   Block block;
   block.bytes.fill(std::byte{0xAB});

@@ -9,7 +9,7 @@
 
 #include "platform/daemon/device_keeper.h"
 #include "tests/unit/daemon/fake_devices.h"
-#include "tests/unit/daemon/heap_guard.h"
+#include "tests/memory/heap_guard.h"
 
 namespace zenith {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/unit/daemon/heap_guard.h"
+#include "tests/memory/heap_guard.h"
 
 namespace zenith::tap {
 namespace {

@@ -65,6 +65,8 @@ TEST(Files, HoldWhatTheRunGave) {
   EXPECT_EQ(summary["robots"][0]["name"], "a");
   EXPECT_EQ(summary["robots"][0]["merges"], 1);
   EXPECT_EQ(summary["robots"][0]["memory_bytes"], 1000);
+  EXPECT_EQ(summary["robots"][0]["memory"][1]["part"], "looks");
+  EXPECT_EQ(summary["robots"][0]["memory"][1]["bytes"], 100);
   EXPECT_EQ(summary["pairs"][0]["merge_time_s"], 25.0);
 }
 

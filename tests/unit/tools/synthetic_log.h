@@ -27,7 +27,8 @@ inline TeamLog synthetic_team() {
   for (int robot = 0; robot < 2; ++robot) {
     RobotLog log;
     log.name = robot == 0 ? "a" : "b";
-    log.memory_bytes = 1000;
+    log.memory.add("rows", 900);
+    log.memory.add("looks", 100);
     log.correspondences.resize(2);
     for (int i = 0; i < kSyntheticFrames; ++i) {
       FrameLog frame;

@@ -1,9 +1,11 @@
 #include "slam/fleet/hypothesis.h"
 
 #include <memory>
+#include <vector>
 
 #include <gtest/gtest.h>
 
+#include "slam/fleet/peer.h"
 #include "tests/support/seeds.h"
 #include "tests/unit/slam/fleet/own_map.h"
 
@@ -44,8 +46,53 @@ TEST(Hypothesis, PairsAreConfirmedAndContested) {
   EXPECT_EQ(h->pairs[0].own_slot, 4);
 }
 
-TEST(Hypothesis, FullOfPairsRejects) {
+struct PooledHypotheses {
+  HypothesisPool pool;
+  ArenaBlock block{[this](Arena& arena) { pool.layout(arena); }};
+};
+
+TEST(Hypothesis, WithoutAPoolItKeepsOneBlockOfPairs) {
   auto h = std::make_unique<Hypothesis>();
+  for (int i = 0; i < kPairBlock; ++i) {
+    ASSERT_TRUE(confirm_pair(*h, {i, 1, i, static_cast<std::uint32_t>(i), 1}));
+  }
+  EXPECT_FALSE(confirm_pair(*h, {kPairBlock, 1, kPairBlock, 999, 1}));
+}
+
+TEST(Hypothesis, PairsOfADroppedOneAreFreeForOthers) {
+  PooledHypotheses rig;
+  const auto fill = [](Hypothesis& h) {
+    int pairs = 0;
+    while (pairs <= kMaxCorrespondences &&
+           confirm_pair(h, {pairs, 7, pairs, static_cast<std::uint32_t>(pairs), 1})) {
+      ++pairs;
+    }
+    return pairs;
+  };
+  std::vector<Hypothesis*> whole;
+  int got = kMaxCorrespondences;
+  while (got == kMaxCorrespondences) {
+    whole.push_back(rig.pool.take());
+    got = fill(*whole.back());
+  }
+  // 48 have all of theirs in kPairBlocks; the next one gets what is left.
+  constexpr int kFurther = kMaxCorrespondences / kPairBlock - 1;
+  EXPECT_EQ(whole.size(), static_cast<std::size_t>(kPairBlocks / kFurther) + 1);
+  EXPECT_EQ(got, kPairBlock * (1 + kPairBlocks % kFurther));
+  for (int i = 0; i < got; ++i) {
+    ASSERT_EQ(whole.back()->pairs[static_cast<std::size_t>(i)].own_slot, i);
+  }
+  rig.pool.give_back(whole.front());
+  Hypothesis& next = *rig.pool.take();
+  EXPECT_EQ(next.pairs.size(), 0U);
+  EXPECT_EQ(fill(next), kMaxCorrespondences);
+  EXPECT_EQ(whole[1]->pairs[kMaxCorrespondences - 1].own_slot, kMaxCorrespondences - 1)
+      << "others keep theirs";
+}
+
+TEST(Hypothesis, FullOfPairsRejects) {
+  PooledHypotheses rig;
+  Hypothesis* h = rig.pool.take();
   for (int i = 0; i < kMaxCorrespondences; ++i) {
     const auto id = static_cast<std::uint32_t>(i);
     ASSERT_TRUE(confirm_pair(*h, {i, id, i, id, 1}));

@@ -39,8 +39,8 @@ TEST(PeerMap, KeepsWhatItIsTold) {
   EXPECT_TRUE(l.present);
   EXPECT_EQ(l.xy(), Eigen::Vector2d(1.5, 0.0));
   EXPECT_EQ(l.covariance()(2, 2), static_cast<double>(0.02F));
-  EXPECT_EQ(l.appearance_count, 1);
-  EXPECT_NEAR(l.appearances[0].compact.inverse_norm, 0.01F, 1e-6F);
+  ASSERT_EQ(rig.map.looks(0).size(), 1U);
+  EXPECT_NEAR(rig.map.looks(0)[0].compact.inverse_norm, 0.01F, 1e-6F);
 }
 
 TEST(PeerMap, RefusesWhatIsNoNumberOrAbsurd) {
@@ -140,7 +140,7 @@ TEST(PeerMap, FullOfRemovedOnesTakesNewOnes) {
 // Two maps of one pool: what one gives back the other may have.
 struct SharedPool {
   PeerLandmarkPool pool;
-  std::array<PeerMap, 6> maps;
+  std::array<PeerMap, kWholePeerMaps + 2> maps;
   ArenaBlock block{[this](Arena& arena) {
     pool.layout(arena);
     for (PeerMap& map : maps) map.layout(arena, pool);
@@ -157,7 +157,7 @@ TEST(PeerMap, APoolThatIsEmptyRejectsUntilSomebodyGivesBack) {
   for (PeerMap& map : rig.maps) rig.fill(map, &map == &rig.maps[0] ? half : kMaxPeerLandmarks);
   EXPECT_EQ(rig.pool.free_blocks(), 0U);
   PeerMap& last = rig.maps.back();
-  EXPECT_EQ(last.size(), kPeerLandmarkPool - half - 4 * kMaxPeerLandmarks);
+  EXPECT_EQ(last.size(), kPeerLandmarkPool - half - kWholePeerMaps * kMaxPeerLandmarks);
   EXPECT_EQ(last.rejected(), static_cast<std::uint64_t>(kMaxPeerLandmarks - last.size()));
   rig.maps[1].clear();
   EXPECT_TRUE(rig.maps[1].empty());
@@ -165,6 +165,59 @@ TEST(PeerMap, APoolThatIsEmptyRejectsUntilSomebodyGivesBack) {
   EXPECT_TRUE(last.apply(record(kMaxPeerLandmarks, 1, 4.0F)));
   EXPECT_EQ(last[last.size() - 1].x_m, 4.0F);
   EXPECT_EQ(rig.maps[0][17].id, 18U) << "others keep theirs";
+}
+
+// Looks come, go and change their number; every landmark keeps its own.
+TEST(PeerMap, LooksOfOneBlockAreTheirLandmarksOwn) {
+  const TestSeed seed;
+  Random random(seed.value());
+  PeerRig rig;
+  std::array<int, kPeerBlock> told = {};
+  const auto direction = [](std::uint32_t id, int k) {
+    return 0.01F * static_cast<float>(id) + 0.001F * static_cast<float>(k);
+  };
+  for (std::uint32_t revision = 1; revision <= 4000; ++revision) {
+    const std::uint32_t id = random.below(kPeerBlock);
+    LandmarkRecord r = record(id, revision, 0.5F);
+    r.appearance_count = static_cast<std::uint8_t>(random.below(kPublishedAppearances + 1));
+    for (int k = 0; k < r.appearance_count; ++k) {
+      r.appearances[static_cast<std::size_t>(k)].descriptor[0] = 100;
+      r.appearances[static_cast<std::size_t>(k)].direction_rad = direction(id, k);
+    }
+    told[id] = r.appearance_count;
+    ASSERT_TRUE(rig.map.apply(r));
+    int all = 0;
+    for (int slot = 0; slot < rig.map.size(); ++slot) {
+      const auto looks = rig.map.looks(slot);
+      const std::uint32_t its_id = rig.map[slot].id;
+      ASSERT_LE(static_cast<int>(looks.size()), told[its_id]);
+      ASSERT_EQ(looks.empty(), told[its_id] == 0);
+      for (std::size_t k = 0; k < looks.size(); ++k) {
+        ASSERT_EQ(looks[k].direction_rad, direction(its_id, static_cast<int>(k)));
+      }
+      all += static_cast<int>(looks.size());
+    }
+    ASSERT_LE(all, kPeerBlockLooks);
+  }
+}
+
+TEST(PeerMap, ABlockFullOfLooksStillGivesEachLandmarkItsFirst) {
+  PeerRig rig;
+  const auto tell = [&rig](std::uint32_t id, std::uint32_t revision, int looks) {
+    LandmarkRecord r = record(id, revision, 0.5F);
+    r.appearance_count = static_cast<std::uint8_t>(looks);
+    EXPECT_TRUE(rig.map.apply(r));
+    return rig.map.looks(static_cast<int>(id)).size();
+  };
+  std::size_t all = 0;
+  for (std::uint32_t id = 0; id < kPeerBlock; ++id) {
+    all += tell(id, 1, kPublishedAppearances);
+    ASSERT_FALSE(rig.map.looks(static_cast<int>(id)).empty()) << id;
+  }
+  EXPECT_EQ(all, static_cast<std::size_t>(kPeerBlockLooks));
+  EXPECT_EQ(tell(kPeerBlock - 1, 2, kPublishedAppearances), 1U);
+  EXPECT_EQ(tell(0, 2, 1), 1U);
+  EXPECT_EQ(tell(kPeerBlock - 1, 3, kPublishedAppearances), 7U) << "what another one gave up";
 }
 
 TEST(PeerMap, AClearedMapKnowsNothingOfBefore) {

@@ -113,30 +113,45 @@ TEST(Map, LandmarkHasAtMostTwentyLooks) {
   EXPECT_EQ(rig->map.info(slot).appearance_count, kMaxAppearances);
 }
 
-TEST(Map, LooksRunOutAndComeBackWithTheirLandmark) {
+// Adds looks as long as there is room; how many.
+int add_looks(Map& map, int slot) {
+  int count = 0;
+  while (map.add_appearance(slot, {}, {}, 0.0F)) ++count;
+  return count;
+}
+
+TEST(Map, LooksRunOutButForTheFirstOfEachLandmarkThatMayCome) {
   const auto rig = make_rig();
   const int anchor = rig->anchor();
-  const Patch patch;
   int taken = 0;
-  std::vector<int> slots;
-  while (taken < kAppearancePool) {
-    const int slot = rig->map.create(anchor);
-    ASSERT_GE(slot, 0);
-    slots.push_back(slot);
-    for (int i = 0; i < kMaxAppearances && taken < kAppearancePool; ++i) {
-      ASSERT_TRUE(rig->map.add_appearance(slot, patch, {}, 0.0F));
-      ++taken;
+  int got = kMaxAppearances;
+  int rich = -1;
+  while (got == kMaxAppearances) {
+    rich = rig->map.create(anchor);
+    ASSERT_GE(rich, 0);
+    taken += got = add_looks(rig->map, rich);
+  }
+  EXPECT_GE(taken, kAppearancePool - kMaxLandmarks) << "only first looks are left";
+  while (rig->map.size() < kMaxLandmarks) {
+    const int poor = rig->map.create(anchor);
+    ASSERT_TRUE(rig->map.add_appearance(poor, {}, {}, 0.0F));
+    if (rig->map.size() < kMaxLandmarks) {
+      ASSERT_FALSE(rig->map.add_appearance(poor, {}, {}, 0.0F));
     }
   }
-  const int poor = rig->map.create(anchor);
-  EXPECT_FALSE(rig->map.add_appearance(poor, patch, {}, 0.0F));
-  EXPECT_EQ(rig->map.info(poor).appearance_count, 0);
-  rig->map.remove(slots.front());
-  for (int i = 0; i < kMaxAppearances; ++i) {
-    EXPECT_TRUE(rig->map.add_appearance(poor, patch, {}, 0.0F));
-  }
-  const int poorer = rig->map.create(anchor);
-  EXPECT_FALSE(rig->map.add_appearance(poorer, patch, {}, 0.0F));
+}
+
+TEST(Map, LooksComeBackWithTheirLandmark) {
+  const auto rig = make_rig();
+  const int anchor = rig->anchor();
+  const int first = rig->map.create(anchor);
+  ASSERT_EQ(add_looks(rig->map, first), kMaxAppearances);
+  int last = first;
+  while (add_looks(rig->map, last = rig->map.create(anchor)) == kMaxAppearances) continue;
+  EXPECT_EQ(add_looks(rig->map, last), 0);
+  rig->map.remove(first);
+  // All but the one that is kept for the removed landmark's successor.
+  EXPECT_EQ(add_looks(rig->map, rig->map.create(anchor)), kMaxAppearances);
 }
 
 TEST(Map, BestNccHeedsTheDirection) {

@@ -1,9 +1,14 @@
-// Stands in for the C library's heap in this test program: the same heap, with a count.
+// Stands in for the C library's heap in this test program: the same heap, watched.
 
-#include "tests/unit/daemon/heap_guard.h"
+#include "tests/memory/heap_guard.h"
+
+#include <unistd.h>
 
 #include <cerrno>
 #include <cstddef>
+#include <cstdlib>
+#include <cstring>
+#include <initializer_list>
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define ZENITH_HEAP_IS_TAKEN 1
@@ -16,6 +21,7 @@ namespace {
 // No constructor and no lazy storage: it is touched inside of malloc.
 __thread bool t_guarded = false;
 __thread std::uint64_t t_calls = 0;
+__thread const char* t_forbidden_in = nullptr;
 
 }  // namespace
 
@@ -35,14 +41,30 @@ bool HeapGuard::works() {
   return ZENITH_HEAP_IS_TAKEN == 0;
 }
 
+NoAllocation::NoAllocation(const char* in) {
+  t_forbidden_in = in;
+}
+NoAllocation::~NoAllocation() {
+  t_forbidden_in = nullptr;
+}
+
 }  // namespace zenith
 
 #if !ZENITH_HEAP_IS_TAKEN
 
 namespace {
 
-void count() {
+void say(const char* text) {
+  [[maybe_unused]] const auto written = ::write(STDERR_FILENO, text, std::strlen(text));
+}
+
+void use(const char* call) {
   if (t_guarded) ++t_calls;
+  if (t_forbidden_in == nullptr) return;
+  const char* in = t_forbidden_in;
+  t_forbidden_in = nullptr;  // what abort() does is its own business
+  for (const char* text : {call, "() called in ", in, ", which must not use the heap\n"}) say(text);
+  std::abort();
 }
 
 }  // namespace
@@ -56,30 +78,32 @@ void* __libc_realloc(void*, std::size_t);
 void* __libc_memalign(std::size_t, std::size_t);
 
 void* malloc(std::size_t bytes) {
-  count();
+  use("malloc");
   return __libc_malloc(bytes);
 }
 void free(void* memory) {
-  count();
+  use("free");
   __libc_free(memory);
 }
 void* calloc(std::size_t items, std::size_t bytes) {
-  count();
+  use("calloc");
   return __libc_calloc(items, bytes);
 }
 void* realloc(void* memory, std::size_t bytes) {
-  count();
+  use("realloc");
   return __libc_realloc(memory, bytes);
 }
 void* memalign(std::size_t alignment, std::size_t bytes) {
-  count();
+  use("memalign");
   return __libc_memalign(alignment, bytes);
 }
 void* aligned_alloc(std::size_t alignment, std::size_t bytes) {
-  return memalign(alignment, bytes);
+  use("aligned_alloc");
+  return __libc_memalign(alignment, bytes);
 }
 int posix_memalign(void** memory, std::size_t alignment, std::size_t bytes) {
-  *memory = memalign(alignment, bytes);
+  use("posix_memalign");
+  *memory = __libc_memalign(alignment, bytes);
   return *memory != nullptr ? 0 : ENOMEM;
 }
 }
