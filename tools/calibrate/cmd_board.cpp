@@ -10,8 +10,8 @@ namespace zenith::tools {
 namespace {
 
 constexpr const char* kHelp =
-    R"(Writes a page with the board, to be printed at 100 % (no "fit to page") and glued to something
-flat and stiff. Then measure ten squares with a ruler: --square-mm of `calibrate lens` is what was
+    R"(Writes a page with the board, to be printed at 100 % (no "fit to page") and glued to
+something flat and stiff. Then measure ten squares with a ruler: --square-mm of `calibrate lens` is what was
 printed. A checkerboard must be seen whole; of a charuco board a part is enough, but its markers
 need more pixels: take it for cameras of a megapixel and more.
 

@@ -20,8 +20,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kHelp =
-    R"(Finds what a ruler does not: how the camera is turned and leans, where it sits beside the point
-between the wheels, the distance of the wheels' tracks, how the wheels differ, how late the base's
+    R"(Finds what a ruler does not: how the camera is turned and leans, where it sits beside the
+point between the wheels, the distance of the wheels' tracks, how the wheels differ, how late the base's
 frames are. The lens must be calibrated first; the other numbers may be wrong, the yaw by any angle.
 
 One camera does not see how long a metre is. --distance (from where the robot stood at the beginning

@@ -12,9 +12,9 @@ namespace zenith::tools {
 namespace {
 
 constexpr const char* kHelp =
-    R"(Reads the calibration of a lens: Kalibr's camchain.yaml, OpenCV's yaml or xml, ROS's camera_info
-yaml, Basalt's json. Fisheye lenses (equidistant, Kannala-Brandt) are taken as they are; other models
-are fitted, and the error that remains is told; what cannot be fitted within a pixel is refused.
+    R"(Reads the calibration of a lens: Kalibr's camchain.yaml, OpenCV's yaml or xml, ROS's
+camera_info yaml, Basalt's json. Fisheye lenses (equidistant, Kannala-Brandt) are taken as they are;
+other models are fitted, and the error that remains is told; what cannot be fitted within a pixel is refused.
 
 OpenCV's files do not say which model they mean: four coefficients are taken for cv::fisheye's.
 

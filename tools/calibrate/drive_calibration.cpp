@@ -16,6 +16,10 @@ namespace {
 constexpr double kDegPerRad = 180.0 / std::numbers::pi;
 // What the least squares do not know: wheels whose scale changes slowly while they roll.
 constexpr double kWheelDrift = 0.001;
+// A lens's centre that is off by so much looks like a camera that leans.
+constexpr double kCentre_px = 0.1;
+// Errors of the latency beside chance, as simulated drives show them.
+constexpr double kLatency_s = 0.003;
 constexpr double kTape_m = 0.005;
 constexpr const char* kSpin = "turn on the spot more, a whole turn to each side";
 constexpr const char* kStraight = "drive straight more, some metres at a time";
@@ -130,12 +134,13 @@ void list_estimates(const DriveData& data, double scale_sigma, DriveCalibration&
   const auto sigma = [&s](int i) { return std::sqrt(s.covariance(i, i)); };
   const double ratio = std::hypot(sigma(5), kWheelDrift);
   const double track = std::hypot(sigma(6), kWheelDrift * wheels.track_width_m);
+  const double lean_deg = kCentre_px / data.believed.lens.fu_px * kDegPerRad;
   const double by_scale = scale_sigma * wheels.track_width_m;
   c.estimates = {
-      {"mount.roll_deg", "deg", was.roll_rad * kDegPerRad, now.roll_rad * kDegPerRad, angle(0),
-       0.05, 0.2, kSpin},
-      {"mount.pitch_deg", "deg", was.pitch_rad * kDegPerRad, now.pitch_rad * kDegPerRad, angle(1),
-       0.05, 0.2, kSpin},
+      {"mount.roll_deg", "deg", was.roll_rad * kDegPerRad, now.roll_rad * kDegPerRad,
+       std::hypot(angle(0), lean_deg), 0.05, 0.2, kSpin},
+      {"mount.pitch_deg", "deg", was.pitch_rad * kDegPerRad, now.pitch_rad * kDegPerRad,
+       std::hypot(angle(1), lean_deg), 0.05, 0.2, kSpin},
       {"mount.yaw_deg", "deg", was.yaw_rad * kDegPerRad, now.yaw_rad * kDegPerRad, angle(2), 0.1,
        0.4, kStraight},
       {"mount.x_m", "m", was.x_m, now.x_m, sigma(3), 0.005, 0.015, kSpin},
@@ -147,7 +152,8 @@ void list_estimates(const DriveData& data, double scale_sigma, DriveCalibration&
        std::hypot(0.5 * ratio, scale_sigma), 0.004, 0.01, kBoth},
       {"wheels.right_scale", "", old.right_scale, wheels.right_scale,
        std::hypot(0.5 * ratio, scale_sigma), 0.004, 0.01, kBoth},
-      {"odometry.latency_s", "s", 0.0, s.unknowns.latency_s, sigma(7), 0.005, 0.02, kJerk},
+      {"odometry.latency_s", "s", 0.0, s.unknowns.latency_s, std::hypot(sigma(7), kLatency_s),
+       0.005, 0.02, kJerk},
   };
 }
 

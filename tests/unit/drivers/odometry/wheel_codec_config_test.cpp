@@ -176,6 +176,15 @@ TEST(WheelCodecConfig, InvertsAndSwapsWheels) {
   EXPECT_DOUBLE_EQ(drive({.swap_wheels = true, .invert_left = true}).left_m, -2.0);
 }
 
+TEST(WheelCodecConfig, StampsOfSamplesAreEarlierByTheLatency) {
+  auto decoder = make_wheel_decoder({.latency_s = 0.03});
+  ASSERT_TRUE(decoder.ok());
+  decoder->decode(agilex_v2::encode_odometer(at_ms(100), {0, 0}));
+  const auto sample = decoder->decode(agilex_v2::encode_odometer(at_ms(110), {3, 7}));
+  ASSERT_TRUE(sample);
+  EXPECT_EQ(sample->stamp, at_ms(80));
+}
+
 TEST(WheelCodecConfig, SwapsEveryCodec) {
   const auto left_of = [](const WheelCodecConfig& config, const CanFrame& first,
                           const CanFrame& second) {
