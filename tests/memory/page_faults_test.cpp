@@ -10,6 +10,7 @@
 #include "platform/base/memory_block.h"
 #include "platform/linux/realtime.h"
 #include "slam/slam.h"
+#include "tests/memory/heap_guard.h"
 #include "tests/support/figure.h"
 #include "tools/runner/simulated_source.h"
 
@@ -48,6 +49,7 @@ TEST(PageFaults, AreCounted) {
 }
 
 TEST(PageFaults, NoneInAStepOnceMemoryIsLocked) {
+  if (!HeapGuard::works()) GTEST_SKIP() << "with a sanitizer memory cannot be locked";
   const auto team = tools::simulate_team("corridor-rooms", 1, 14.0, Parameters{});
   ASSERT_TRUE(team.ok());
   Source& source = *team->sources[0];
