@@ -52,9 +52,12 @@ TEST(Drive, WaysStayFreeOfWallsInAllWorldsAndSeeds) {
 }
 
 TEST(Drive, KeepsToLimitsOfSpeedAndAcceleration) {
-  const DriveLimits limits;
+  DriveLimits limits;
   for (const std::string& name : list_worlds()) {
-    for (const auto& run : plan_world(name, 4).runs) {
+    const Plan world = plan_world(name, 4);
+    for (std::size_t i = 0; i < world.runs.size(); ++i) {
+      const auto& run = world.runs[i];
+      limits.speed_mps = world.file.robots[i].speed_mps;
       constexpr double kStep = DrivenPath::kStep_s;
       for (double t = kStep; t < run.duration_s; t += kStep) {
         const DriveState a = run.path.at(t - kStep);
