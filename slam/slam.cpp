@@ -147,6 +147,11 @@ void Slam::receive(int peer, std::span<const LandmarkRecord> records) {
   state_->fleet.receive(peer, records);
 }
 
+void Slam::remember(int peer, std::span<const LandmarkRecord> records) {
+  receive(peer, records);
+  state_->fleet.note_past(peer);
+}
+
 void Slam::forget(int peer) {
   assert(peer >= 0 && peer < kMaxPeers);
   state_->fleet.forget(peer);

@@ -82,6 +82,11 @@ class Slam {
   // A peer's records. `peer` is a slot in [0, kMaxPeers).
   void receive(int peer, std::span<const LandmarkRecord> records);
 
+  // The robot's own map of an earlier run, as one more peer: `past self`. Found and aligned as any
+  // other; since it is whole from the start, after less driving. T_own_peer of its alignment takes
+  // the stored map's coordinates into the present ones.
+  void remember(int peer, std::span<const LandmarkRecord> records);
+
   // The peer in this slot is no more: its map and all that was made of it go. The slot may become
   // another peer's.
   void forget(int peer);

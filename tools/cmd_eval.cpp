@@ -12,6 +12,7 @@
 #include "tools/evaluation.h"
 #include "tools/overrides.h"
 #include "tools/progress.h"
+#include "tools/relocalisation.h"
 #include "tools/replay_judgement.h"
 #include "tools/report/figures_text.h"
 #include "tools/simulate.h"
@@ -41,6 +42,7 @@ What the columns mean:
   double      landmarks of the two robots within 5 cm that were not made one)";
 
 struct EvalOptions {
+  bool relocalise = false;
   EvaluationPlan plan;
   std::vector<std::string> subjects;  // worlds, or recordings with --replay
   std::vector<std::string> assignments;
@@ -113,10 +115,28 @@ int run_replay_judgement(const EvalOptions& options) {
   return written ? 0 : fail(written.error());
 }
 
+int run_relocalisation(const EvalOptions& options, const Parameters& parameters) {
+  for (const std::string& world : options.subjects) {
+    for (int i = 0; i < options.plan.seeds; ++i) {
+      RelocalisationPlan plan;
+      plan.world = world;
+      plan.seed = options.plan.first_seed + static_cast<std::uint64_t>(i);
+      plan.parameters = parameters;
+      Progress progress("mapping");
+      const auto run = relocalise(plan, [&](double fraction) { progress.update(fraction); });
+      if (!run.ok()) return fail(run.error());
+      std::printf("%s, seed %llu\n%s", world.c_str(), static_cast<unsigned long long>(plan.seed),
+                  relocalisation_text(*run).c_str());
+    }
+  }
+  return 0;
+}
+
 int run_eval(EvalOptions& options) {
   if (!options.replay_output.empty()) return run_replay_judgement(options);
   const auto parameters = apply_overrides({}, options.assignments);
   if (!parameters.ok()) return fail(parameters.error());
+  if (options.relocalise) return run_relocalisation(options, *parameters);
   EvaluationPlan& plan = options.plan;
   plan.parameters = *parameters;
   plan.worlds = options.subjects;
@@ -163,6 +183,8 @@ void add_eval_command(CLI::App& app, int& exit_code) {
   eval->add_flag("--exact-maps", options->exact_maps,
                  "maps reach the others unrounded, to see what the wire's rounding costs")
       ->excludes(alone);
+  eval->add_flag("--relocalise", options->relocalise,
+                 "the first robot maps alone; each other one must find itself in its stored map");
   eval->add_flag("--joint", options->plan.joint, "aligned robots go on in one filter")
       ->excludes(alone);
   add_set_option(*eval, options->assignments);

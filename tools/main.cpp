@@ -52,6 +52,7 @@ int run(int argc, char** argv) {
   add_replay_command(app, exit_code);
   add_eval_command(app, exit_code);
   add_key_command(app, exit_code);
+  add_map_command(app, exit_code);
   add_view_command(app, exit_code);
   add_telemetry_command(app, exit_code);
   add_metrics_command(app, exit_code);

@@ -189,6 +189,19 @@ Settings radio_settings(RadioConfig& radio) {
   };
 }
 
+Settings map_settings(MapConfig& map) {
+  return {
+      {"map.folder", "", 0, 0,
+       "where the map is kept across restarts; a relative one lies in the service's state folder "
+       "(STATE_DIRECTORY), and without a state folder no map is kept; empty: no map is kept",
+       &map.folder},
+      {"map.interval_s", "s", 1, 3600,
+       "a map with new landmarks is written so often at most; when landmarks only became better "
+       "known it waits twelve times as long",
+       &map.interval_s},
+  };
+}
+
 Settings led_settings(LedSettings& leds) {
   Settings settings;
   constexpr const char* kNames[kLedCount] = {"status", "peer", "fault"};
@@ -350,6 +363,7 @@ Settings daemon_settings(DaemonConfig& c) {
   append(settings, device_settings(c));
   append(settings, machine_settings(c));
   append(settings, radio_settings(c.radio));
+  append(settings, map_settings(c.map));
   append(settings, led_settings(c.leds));
   append(settings, live({{"log.level", "", 0, 0, "less important lines are left out",
                           choice_of(c.log, {"error", "warning", "notice", "info", "debug"})}}));

@@ -67,6 +67,11 @@ struct RadioConfig {
   double forget_after_s = 60.0;
 };
 
+struct MapConfig {
+  std::string folder = ".";  // relative: in the state folder; empty: no map is kept
+  double interval_s = 5.0;
+};
+
 struct SimulationConfig {
   std::string world = "corridor-rooms";
   std::string robot;           // by name; empty: the world's first
@@ -99,6 +104,7 @@ struct DaemonConfig {
   TelemetryConfig telemetry;
   RecordConfig record;
   RadioConfig radio;
+  MapConfig map;
   LedSettings leds;
   LogChoice log = LogChoice::kInfo;
   Parameters slam;

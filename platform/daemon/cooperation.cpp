@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "platform/daemon/map_keeper.h"
 #include "platform/daemon/radio_link.h"
 #include "platform/linux/clock.h"
 
@@ -61,6 +62,7 @@ void Cooperation::send_own() {
   LandmarkRecord record;
   while (exchange_.room_to_show() > 0 && exchange_.own.pop(record)) {
     exchange_.shown.push(map_news(MapNews::kOwn, record));
+    if (keeper_ != nullptr) keeper_->note(record);
     const bool told = link_ != nullptr && link_->send_own(record);
     (told ? sent_ : unheard_).fetch_add(1, kRelaxed);
   }

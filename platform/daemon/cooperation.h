@@ -14,6 +14,7 @@
 
 namespace zenith {
 
+class MapKeeper;
 class RadioLink;
 
 struct CooperationCounters {
@@ -24,8 +25,10 @@ struct CooperationCounters {
 
 class Cooperation {
  public:
-  // `link` may be nullptr: a robot that works alone. Both must outlive it.
-  Cooperation(Exchange& exchange, RadioLink* link) : exchange_(exchange), link_(link) {}
+  // `link` may be nullptr: a robot that works alone; `keeper` when no map is kept.
+  // All must outlive it.
+  Cooperation(Exchange& exchange, RadioLink* link, MapKeeper* keeper = nullptr)
+      : exchange_(exchange), link_(link), keeper_(keeper) {}
   ~Cooperation() { delete new_keys_.load(); }
   Cooperation(const Cooperation&) = delete;
   Cooperation& operator=(const Cooperation&) = delete;
@@ -52,6 +55,7 @@ class Cooperation {
 
   Exchange& exchange_;
   RadioLink* link_;
+  MapKeeper* keeper_;
   Time next_status_;
   LinkStatus told_;
   Snapshot<LinkStatus> status_;

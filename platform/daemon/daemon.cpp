@@ -9,6 +9,7 @@
 #include "platform/daemon/cooperation.h"
 #include "platform/daemon/device_keeper.h"
 #include "platform/daemon/housekeeping.h"
+#include "platform/daemon/map_keeper.h"
 #include "platform/daemon/memory_report.h"
 #include "platform/daemon/perception.h"
 #include "platform/daemon/radio_link.h"
@@ -78,7 +79,7 @@ class Threads {
   }
 
   std::atomic<bool> stop_ = false;
-  static constexpr std::size_t kMost = 4;
+  static constexpr std::size_t kMost = 5;
   std::array<Thread, kMost> threads_;
   std::array<std::atomic<bool>, kMost> ended_ = {};
   std::size_t count_ = 0;
@@ -133,6 +134,30 @@ std::unique_ptr<RadioLink> make_radio_link(const DaemonConfig& config, Exchange&
   return std::make_unique<RadioLink>(config.radio, sessions, map, exchange);
 }
 
+// Null when no map is kept.
+std::unique_ptr<MapKeeper> make_map_keeper(const DaemonConfig& config, const std::string& path,
+                                           storage::Folder& folder) {
+  if (path.empty()) {
+    log_line(LogLevel::kNotice, "no map is kept: %s",
+             config.map.folder.empty() ? "map.folder is empty" : "there is no state folder");
+    return nullptr;
+  }
+  storage::MapHead head;
+  head.map = secret_number();
+  head.robot.assign(config.name);
+  head.camera_height_m = config.mount.z_m;
+  head.rectified_fov_deg = config.slam.rectified_fov_deg;
+  return std::make_unique<MapKeeper>(folder, head, Duration::from_seconds(config.map.interval_s));
+}
+
+void keep_map(MapKeeper& keeper, const Perception& perception, const std::atomic<bool>& stop) {
+  const auto report = std::make_unique<PerceptionReport>();
+  while (!stop.load(std::memory_order_relaxed)) {
+    sleep_until(monotonic_now() + kTick);
+    if (perception.read(*report)) keeper.turn_once(monotonic_now(), past_self(*report));
+  }
+}
+
 [[noreturn]] void leave_without_threads() {
   log_line(LogLevel::kError, "a thread did not end in time: leaving without it");
   process_log().drain(monotonic_now());
@@ -162,7 +187,12 @@ int run_daemon(const DaemonConfig& config, const std::filesystem::path& file,
       *devices, config.slam, config.seed, live_settings(config), *exchange, tap.tap.get());
   warm_up(devices->robot, config.slam);
   const auto link = make_radio_link(config, *exchange);
-  const auto cooperation = std::make_unique<Cooperation>(*exchange, link.get());
+  const std::string state = map_folder(config.map.folder);
+  storage::DiskFolder folder(state);
+  const auto keeper_of_map = make_map_keeper(config, state, folder);
+  if (keeper_of_map != nullptr) perception->remember(keeper_of_map->load());
+  const auto cooperation =
+      std::make_unique<Cooperation>(*exchange, link.get(), keeper_of_map.get());
   DeviceKeeper keeper(*devices->camera, perception->camera_turn(), *devices->can,
                       perception->can_turn());
   log_line(LogLevel::kInfo, "devices: %s", devices->description.c_str());
@@ -190,6 +220,14 @@ int run_daemon(const DaemonConfig& config, const std::filesystem::path& file,
   started = started && threads->start(
                            {.name = "zen-keeper"},
                            [&](const std::atomic<bool>& stop) { keeper.run(stop); }, report);
+  if (keeper_of_map != nullptr) {
+    started = started && threads->start(
+                             {.name = "zen-map"},
+                             [&](const std::atomic<bool>& stop) {
+                               keep_map(*keeper_of_map, *perception, stop);
+                             },
+                             report);
+  }
   if (tap.server != nullptr) {
     started = started && threads->start(
                              {.name = "zen-tap"},
@@ -198,7 +236,7 @@ int run_daemon(const DaemonConfig& config, const std::filesystem::path& file,
   log_report(report);
 
   Housekeeping housekeeping(config, file, devices->description, *perception, *cooperation,
-                            *exchange, notify);
+                            *exchange, notify, keeper_of_map.get());
   if (started) {
     housekeeping.start(monotonic_now());
     tell_ready(notify);
@@ -210,6 +248,11 @@ int run_daemon(const DaemonConfig& config, const std::filesystem::path& file,
   if (!threads->stop(monotonic_now())) leave_without_threads();
   devices->camera->close();
   devices->can->close();
+  if (keeper_of_map != nullptr) {
+    const auto last = std::make_unique<PerceptionReport>();
+    perception->read(*last);
+    keeper_of_map->finish(monotonic_now(), past_self(*last));
+  }
   housekeeping.finish(monotonic_now());
   return started ? 0 : 1;
 }

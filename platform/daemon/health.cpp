@@ -11,7 +11,9 @@ constexpr double kMissedShare = 0.1;
 
 int merged_peers(const PerceptionReport& report) {
   int count = 0;
-  for (const PeerReport& peer : report.peers) count += peer.state == AlignmentState::kMerged;
+  for (const PeerReport& peer : report.peers) {
+    count += peer.state == AlignmentState::kMerged && peer.peer != kPastSlot;
+  }
   return count;
 }
 

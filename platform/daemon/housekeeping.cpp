@@ -48,14 +48,16 @@ LiveSettings live_settings(const DaemonConfig& config) {
 
 Housekeeping::Housekeeping(DaemonConfig config, std::filesystem::path file,
                            const std::string& devices, Perception& perception,
-                           Cooperation& cooperation, Exchange& exchange, ServiceNotify& notify)
+                           Cooperation& cooperation, Exchange& exchange, ServiceNotify& notify,
+                           const MapKeeper* map_keeper)
     : config_(std::move(config)),
       file_(std::move(file)),
       devices_(devices),
       perception_(perception),
       cooperation_(cooperation),
       exchange_(exchange),
-      notify_(notify) {}
+      notify_(notify),
+      map_keeper_(map_keeper) {}
 
 void Housekeeping::start(Time now) {
   started_ = now;
@@ -78,6 +80,10 @@ void Housekeeping::tick(Time now) {
   note_lately(now);
   const RobotLight before = health_.light;
   health_ = judge_health(report_, lately_, started_, now);
+  if (map_keeper_ != nullptr) map_keeper_->read(stored_);
+  if (stored_.failing && health_.reason.empty() && report_.has_pose) {
+    health_ = {RobotLight::kDegraded, "the map cannot be kept"};
+  }
   if (health_.light != before) light_changed_ = now;
   cooperation_.set_light(health_.light);
   show_lights(now);
@@ -100,6 +106,12 @@ void Housekeeping::log_event(const PerceptionEvent& event) const {
     case PerceptionEventKind::kBusBack:
       return log_line(LogLevel::kNotice, "the CAN controller is back on the bus");
     case PerceptionEventKind::kMerged:
+      if (event.peer == kPastSlot) {
+        return log_line(
+            LogLevel::kNotice,
+            "found itself in the stored map, whose origin lies at %.2f %.2f m, %.3f rad",
+            event.pose.x_m, event.pose.y_m, event.pose.theta_rad);
+      }
       return log_line(
           LogLevel::kNotice, "merged with robot %s: its start lies at %.2f %.2f m, %.3f rad",
           link_.name_of(event.peer), event.pose.x_m, event.pose.y_m, event.pose.theta_rad);
@@ -210,6 +222,11 @@ void Housekeeping::send_second(Time now) {
     JsonLine line;
     write_alignment(line, peer, link_.name_of(peer.peer), report_.stamp);
     telemetry_.send(line.finish());
+  }
+  if (map_keeper_ != nullptr) {
+    JsonLine stored;
+    write_stored_map(stored, stored_, now);
+    telemetry_.send(stored.finish());
   }
   JsonLine radio;
   write_radio(radio, link_, now);

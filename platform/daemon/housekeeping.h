@@ -10,6 +10,7 @@
 #include "platform/daemon/config.h"
 #include "platform/daemon/cooperation.h"
 #include "platform/daemon/health.h"
+#include "platform/daemon/map_keeper.h"
 #include "platform/daemon/map_lines.h"
 #include "platform/daemon/perception.h"
 #include "platform/daemon/telemetry_socket.h"
@@ -27,7 +28,7 @@ class Housekeeping {
   // All must outlive it. `file` is read again by reload().
   Housekeeping(DaemonConfig config, std::filesystem::path file, const std::string& devices,
                Perception& perception, Cooperation& cooperation, Exchange& exchange,
-               ServiceNotify& notify);
+               ServiceNotify& notify, const MapKeeper* map_keeper = nullptr);
 
   // Telemetry and lights. What does not work is logged; the daemon goes on.
   void start(Time now);
@@ -63,6 +64,8 @@ class Housekeeping {
   Cooperation& cooperation_;
   Exchange& exchange_;
   ServiceNotify& notify_;
+  const MapKeeper* map_keeper_;  // null: no map is kept
+  MapStatus stored_;
 
   TelemetrySocket telemetry_;
   MapLines maps_;

@@ -7,6 +7,7 @@
 #include "drivers/radio/udp_radio.h"
 #include "platform/base/fixed_vector.h"
 #include "platform/base/time.h"
+#include "platform/daemon/perception_report.h"
 #include "platform/link/link_report.h"
 #include "slam/capacity.h"
 #include "slam/exchange/interface.h"
@@ -40,6 +41,7 @@ struct LinkStatus {
 
   // "?" when it is not known.
   const char* name_of(int slot) const {
+    if (slot == kPastSlot) return "past self";
     const bool known =
         slot >= 0 && slot < kMaxPeers && !names[static_cast<std::size_t>(slot)].empty();
     return known ? names[static_cast<std::size_t>(slot)].c_str() : "?";

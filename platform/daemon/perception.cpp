@@ -272,7 +272,9 @@ void Perception::note_alignments() {
   OwnState state;
   state.has_pose = true;
   state.T_start_robot = report_.T_start_robot;
-  state.peers = peers;
+  for (const PeerReport& peer : peers) {
+    if (peer.peer != kPastSlot) state.peers.push_back(peer);
+  }
   exchange_.own_state.write(state);
 }
 

@@ -46,6 +46,9 @@ class Perception {
   Perception(Devices& devices, const Parameters& parameters, std::uint64_t seed,
              const LiveSettings& live, Exchange& exchange, tap::Tap* tap = nullptr);
 
+  // Before run(): the stored map, as this robot's past self.
+  void remember(std::span<const LandmarkRecord> map) { slam_->remember(kPastSlot, map); }
+
   // The thread's body.
   void run(const std::atomic<bool>& stop);
 

@@ -18,6 +18,9 @@
 
 namespace zenith {
 
+// Of the robot's own stored map; peers' maps lie in the slots below.
+inline constexpr int kPastSlot = kMaxPeers - 1;
+
 struct PeerReport {
   int peer = 0;
   AlignmentState state = AlignmentState::kCandidate;

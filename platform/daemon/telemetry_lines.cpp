@@ -105,6 +105,23 @@ void write_pose(JsonLine& line, const PerceptionReport& report) {
       .number("inliers", report.inliers)
       .number("step_ms", report.step.seconds() * 1e3)
       .number("period_ms", report.period.seconds() * 1e3);
+  if (const PeerReport* past = past_self(report)) {
+    line.numbers("map_pose", numbers_of(past->T_own_peer.inverse() * report.T_start_robot));
+  }
+}
+
+void write_stored_map(JsonLine& line, const MapStatus& status, Time now) {
+  line.text("type", "stored_map")
+      .count("checkpoint", status.checkpoint)
+      .number("age_s", status.written > 0 ? (now - status.last).seconds() : -1.0)
+      .count("landmarks", status.landmarks)
+      .count("past_landmarks", status.past)
+      .flag("found", status.found)
+      .count("written", status.written)
+      .count("failed", status.failed)
+      .count("bytes", status.bytes)
+      .flag("failing", status.failing)
+      .text("error", status.error.view());
 }
 
 void write_alignment(JsonLine& line, const PeerReport& peer, std::string_view name, Time stamp) {

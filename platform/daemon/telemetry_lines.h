@@ -8,6 +8,7 @@
 #include "platform/daemon/health.h"
 #include "platform/daemon/json_line.h"
 #include "platform/daemon/link_status.h"
+#include "platform/daemon/map_keeper.h"
 #include "platform/daemon/perception_report.h"
 
 namespace zenith {
@@ -19,6 +20,7 @@ void write_pose(JsonLine& line, const PerceptionReport& report);
 void write_alignment(JsonLine& line, const PeerReport& peer, std::string_view name, Time stamp);
 void write_health(JsonLine& line, const PerceptionReport& report, const Health& health,
                   const CooperationCounters& cooperation);
+void write_stored_map(JsonLine& line, const MapStatus& status, Time now);
 void write_radio(JsonLine& line, const LinkStatus& status, Time now);
 void write_peer(JsonLine& line, const LinkPeer& peer, Time now);
 void write_deadlines(JsonLine& line, const Deadlines& deadlines);

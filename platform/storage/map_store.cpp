@@ -44,13 +44,27 @@ LoadedMap MapStore::load() {
 
 Status MapStore::set_aside(std::size_t generation, MapFault fault, std::string& to) {
   unreadable_[generation] = fault;
+  const Status moved =
+      rename_aside(generation, fault == MapFault::kForeign ? ".foreign" : ".damaged", to);
+  if (moved) unreadable_[generation] = MapFault::kNone;
+  return moved;
+}
+
+Status MapStore::set_all_aside() {
+  for (std::size_t i = 0; i < kGenerations.size(); ++i) {
+    std::string to;
+    if (!folder_.exists(kGenerations[i])) continue;
+    if (const Status moved = rename_aside(i, ".left", to); !moved) return moved;
+  }
+  return {};
+}
+
+Status MapStore::rename_aside(std::size_t generation, const std::string& kind, std::string& to) {
   const std::string name = kGenerations[generation];
-  const std::string kind = fault == MapFault::kForeign ? ".foreign" : ".damaged";
   for (int i = 1; i <= kMostAside; ++i) {
     const std::string aside = name + kind + (i == 1 ? "" : "-" + std::to_string(i));
     if (folder_.exists(aside)) continue;
     if (const Status moved = folder_.rename(name, aside); !moved) return moved;
-    unreadable_[generation] = MapFault::kNone;
     to = folder_.path_of(aside);
     (void)folder_.sync_folder();  // else it is found and set aside again
     return {};

@@ -37,9 +37,13 @@ class MapStore {
   // generations are as they were.
   Status save(StoredMap& map);
 
+  // The place is another one: both generations get names of their own, and a new map begins.
+  Status set_all_aside();
+
   std::size_t bytes_written() const { return bytes_written_; }  // by save(), in all
 
  private:
+  Status rename_aside(std::size_t generation, const std::string& kind, std::string& to);
   Status set_aside(std::size_t generation, MapFault fault, std::string& to);
   Status write_partial(Bytes bytes);
 

@@ -11,6 +11,15 @@ namespace zenith {
 namespace {
 
 constexpr int kSweepPerFrame = 96;
+// A stored map is large from the start while the own one is small: more of it for the same work.
+constexpr int kPairsPerFrame = kSweepPerFrame * kMaxLandmarks;
+
+int sweep_per_frame(const Peer& peer, const Map& map) {
+  if (!peer.past) return kSweepPerFrame;
+  const int own = std::max(static_cast<int>(map.landmarks().size()), 1);
+  return std::max(kPairsPerFrame / own, kSweepPerFrame);
+}
+
 constexpr float kDuplicateNcc = 0.6F;
 constexpr double kDuplicateSigmas = 3.0;
 // Errors of the maps that the landmarks' covariances do not tell: their drift in common.
@@ -93,7 +102,8 @@ Near look_around(const Hypothesis& h, const PeerMap& peer, int peer_slot, const 
 
 void search_duplicates(Peer& peer, int place, const Map& map) {
   Hypothesis& h = peer.hypothesis(place);
-  for (int n = 0; n < kSweepPerFrame; ++n) {
+  const int count = sweep_per_frame(peer, map);
+  for (int n = 0; n < count; ++n) {
     const int slot = peer.sweep;
     peer.sweep = (peer.sweep + 1) % peer.map.size();
     const PeerLandmark& l = peer.map[slot];

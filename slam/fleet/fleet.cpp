@@ -125,7 +125,7 @@ void Fleet::judge_offer(Peer& peer) {
   const Hypothesis& h = peer.hypothesis(place);
   const bool right = peer.swept.hits >= decision_.min_pairs &&
                      peer.swept.hits > decision_.map_hit_share * peer.swept.expected &&
-                     travelled_m_ >= decision_.min_way_m && !own_map_repeats(h);
+                     travelled_m_ >= least_way_m(peer) && !own_map_repeats(h);
   peer.offered = -1;
   peer.swept = {};
   if (!right) {
@@ -211,7 +211,7 @@ void Fleet::decide(Peer& peer, const Pose2& T_own_robot) {
   const DecisionSettings& d = decision_;
   if (!peer.merged) {
     const bool ready = leader.confidence.value() > d.confidence && leader.score() > d.score &&
-                       leader.searches >= d.min_searches && travelled_m_ >= d.min_way_m &&
+                       leader.searches >= d.min_searches && travelled_m_ >= least_way_m(peer) &&
                        static_cast<int>(leader.pairs.size()) >= d.min_pairs &&
                        rival_score < d.rival_share * leader.score() && !own_map_repeats(leader);
     if (ready && peer.offered < 0) put_to_test(peer, peer.leader);

@@ -23,6 +23,8 @@ struct DecisionSettings {
   double rival_share = 0.5;  // a rival with this share of the leader's score: ambiguous
   int min_searches = 4;
   double min_way_m = 5.0;  // driven by this robot: a small map cannot show that it repeats itself
+  // A stored map is whole: where it repeats itself its own rivals say so.
+  double min_way_past_m = 0.6;
   int min_pairs = 15;
   double withdraw_share = 0.3;    // of the expected landmarks found: no better than a wrong one
   double beaten_hit_share = 0.5;  // enough against the leader when a rival could be merged
@@ -41,6 +43,8 @@ class Fleet {
   void build(const Parameters& parameters);
 
   void receive(int peer, std::span<const LandmarkRecord> records);
+  // What this peer tells is the robot's own map of an earlier run.
+  void note_past(int peer) { peers_[static_cast<std::size_t>(peer)].past = true; }
   // The peer has merged with this robot: T takes its coordinates into the own ones. Not believed
   // but tested, map against map; both robots then go on in the common map at about the same time.
   void offer_alignment(int peer, const Pose2& T_own_peer);
@@ -61,6 +65,9 @@ class Fleet {
 
  private:
   void schedule(double travelled_m);
+  double least_way_m(const Peer& peer) const {
+    return peer.past ? decision_.min_way_past_m : decision_.min_way_m;
+  }
   void compare_maps(const Map& map);
   bool own_map_repeats(const Hypothesis& leader) const;
   void put_to_test(Peer& peer, int hypothesis);

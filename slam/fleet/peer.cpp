@@ -54,6 +54,7 @@ void Peer::forget() {
   map.clear();
   for (int i = 0; i < kMaxHypotheses; ++i) drop(i);
   known = false;
+  past = false;
   alignment = {};
   leader = -1;
   merged = false;

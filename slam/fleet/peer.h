@@ -44,6 +44,7 @@ class Peer {
 
   PeerMap map;
   bool known = false;
+  bool past = false;    // this robot's own stored map: whole from the start, and never changes
   Alignment alignment;  // of the leading hypothesis, or the merged one
   int leader = -1;
   bool merged = false;
