@@ -210,7 +210,8 @@ void Fleet::decide(Peer& peer, const Pose2& T_own_robot) {
   const double rival_score = rival == nullptr ? 0.0 : std::max(rival->score(), 0.0);
   const DecisionSettings& d = decision_;
   if (!peer.merged) {
-    const bool ready = leader.confidence.value() > d.confidence && leader.score() > d.score &&
+    const double score = peer.past ? d.score_past : d.score;
+    const bool ready = leader.confidence.value() > d.confidence && leader.score() > score &&
                        leader.searches >= d.min_searches && travelled_m_ >= least_way_m(peer) &&
                        static_cast<int>(leader.pairs.size()) >= d.min_pairs &&
                        rival_score < d.rival_share * leader.score() && !own_map_repeats(leader);

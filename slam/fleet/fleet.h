@@ -25,6 +25,7 @@ struct DecisionSettings {
   double min_way_m = 5.0;  // driven by this robot: a small map cannot show that it repeats itself
   // A stored map is whole: where it repeats itself its own rivals say so.
   double min_way_past_m = 0.6;
+  double score_past = 12.0;  // docs/map-on-disk.md: how often it is right
   int min_pairs = 15;
   double withdraw_share = 0.3;    // of the expected landmarks found: no better than a wrong one
   double beaten_hit_share = 0.5;  // enough against the leader when a rival could be merged
