@@ -38,7 +38,8 @@ Patch sample_patch(const ImageView& image, float u_px, float v_px, float orienta
 // constant one.
 CompactPatch compact(const Patch& patch);
 
-// How much of a patch its compact form tells, for the exact search. Nothing of one without contrast.
+// How much of a patch its compact form tells, for the exact search. Nothing of one without
+// contrast.
 Outline outline(const Patch& patch, const CompactPatch& compact);
 
 // 1 / |values|, 0 for all zeros: what a received descriptor needs to become a CompactPatch.

@@ -9,7 +9,8 @@ namespace {
 // Ten accumulators: as many as leave room for the factors.
 constexpr int kSums = 10;
 
-// One factor from the first cache, as the kernel has it. Written out: compilers keep sums in memory.
+// One factor from the first cache, as the kernel has it. Written out: compilers keep sums in
+// memory.
 void pairs(int rounds) {
   alignas(32) static __m256i factors[kSums] = {};
   __m256i sums[kSums] = {};

@@ -33,10 +33,9 @@ constexpr int kRounds = 100000;
 
 void limit(benchmark::State& state, const Limit& limit) {
   for (auto _ : state) limit.run(kRounds);
-  state.counters["MAC/s"] =
-      benchmark::Counter(static_cast<double>(limit.products_each) * kRounds *
-                             static_cast<double>(state.iterations()),
-                         benchmark::Counter::kIsRate);
+  state.counters["MAC/s"] = benchmark::Counter(
+      static_cast<double>(limit.products_each) * kRounds * static_cast<double>(state.iterations()),
+      benchmark::Counter::kIsRate);
 }
 
 // Reading memory of so many KiB again and again.

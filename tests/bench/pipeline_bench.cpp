@@ -41,8 +41,16 @@ class Pipeline {
       for (float& v : *looks) v = static_cast<float>(random.normal() / kSide);
     }
     for (PeerParticle& p : particles_) {
-      p = {{0.1F, 0.2F, 0.4F}, {0.01F, 0, 0, 0, 0.01F, 0, 0, 0, 0.02F}, 0, 0, 1, 0, 0.3F, 0.1F,
-           1, 0};
+      p = {{0.1F, 0.2F, 0.4F},
+           {0.01F, 0, 0, 0, 0.01F, 0, 0, 0, 0.02F},
+           0,
+           0,
+           1,
+           0,
+           0.3F,
+           0.1F,
+           1,
+           0};
     }
   }
 

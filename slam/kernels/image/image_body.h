@@ -131,10 +131,9 @@ struct ImageKernels {
           F sums[3];
           for (int k = 0; k < 3; ++k) {
             const float* const* r = from[k];
-            sums[k] =
-                window<1024>(load<N>(r[0] + u), load<N>(r[1] + u), load<N>(r[2] + u),
-                             load<N>(r[3] + u), load<N>(r[4] + u), load<N>(r[5] + u),
-                             load<N>(r[6] + u));
+            sums[k] = window<1024>(load<N>(r[0] + u), load<N>(r[1] + u), load<N>(r[2] + u),
+                                   load<N>(r[3] + u), load<N>(r[4] + u), load<N>(r[5] + u),
+                                   load<N>(r[6] + u));
             store<N>(to[k] + u, sums[k]);
           }
           strong[(u - 1 + N - 1) / N] = Ops::bits(sums[0] + sums[2] >= min_trace) != 0;
@@ -163,9 +162,9 @@ struct ImageKernels {
             bool any = (u - kHarrisEdge) % N != 0;
             for (int k = 0; k <= (N + 5) / N; ++k) any |= strong[block + k];
             if (!any) return;
-            store<N>(out + u, corner_response(window_along(smooth[0] + u),
-                                              window_along(smooth[1] + u),
-                                              window_along(smooth[2] + u), min_eigenvalue));
+            store<N>(out + u,
+                     corner_response(window_along(smooth[0] + u), window_along(smooth[1] + u),
+                                     window_along(smooth[2] + u), min_eigenvalue));
           });
     }
   }

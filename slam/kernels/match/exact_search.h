@@ -3,8 +3,8 @@
 // MatchKernels<256>::two_best() finds them, but most looks are ruled out by their compact form.
 //
 // A patch p of unit length is a multiple of its compact form c (of unit length, the quantised DCT
-// coefficients) and a rest at right angles to it: p = share c + rest. Of the rest, `off` lies within
-// the compact form's 32 frequencies: what quantisation moved. By Cauchy and Schwarz
+// coefficients) and a rest at right angles to it: p = share c + rest. Of the rest, `off` lies
+// within the compact form's 32 frequencies: what quantisation moved. By Cauchy and Schwarz
 //   NCC(a, b) <= share_a share_b ca.cb + |rest_a| |rest_b| + off_a + off_b
 // Source of the idea: facts on partial inner products, e.g. Teflioudi, Gemulla, "LEMP: fast
 // retrieval of large entries in a matrix product", 2015.

@@ -223,7 +223,9 @@ struct Matcher {
     return Ops::template dot<kLength>(a, b);
   }
 
-  static constexpr MatchKernels<kLength> kernels() { return {pack, best_of, two_best, dot}; }
+  static constexpr MatchKernels<kLength> kernels() {
+    return {pack, best_of, two_best, dot};
+  }
 };
 
 }  // namespace

@@ -47,8 +47,8 @@ struct PrunedMatcher {
   static ZENITH_INLINE void examine(Search& search, int query, int i) {
     const ExactLooks& looks = search.looks;
     const Looks full = {looks.full, looks.inverse_norm, looks.full_stride, looks.count};
-    const std::int32_t sum = Ops::template dot<256>(search.queries.full[query],
-                                                    Matcher<Ops, 256>::look_values(full, i));
+    const std::int32_t sum =
+        Ops::template dot<256>(search.queries.full[query], Matcher<Ops, 256>::look_values(full, i));
     const float similarity = static_cast<float>(sum) * Matcher<Ops, 256>::look_norm(full, i) *
                              search.queries.inverse_norm[query];
     if (similarity <= search.found[query].second.ncc) return;
@@ -70,8 +70,8 @@ struct PrunedMatcher {
       const F rests = load<kLanes>(search.queries.rest + at);
       for (int l = 0; l < kLooks; ++l) {
         const Outline& outline = chunk[l].outline;
-        const F bound = Compact::ncc(sums[l][v], outline.scale, scales) + outline.rest * rests +
-                        outline.off;
+        const F bound =
+            Compact::ncc(sums[l][v], outline.scale, scales) + outline.rest * rests + outline.off;
         unsigned hits = Ops::above(bound, load<kLanes>(search.bars + at));
         for (; hits != 0; hits &= hits - 1) {
           examine(search, at + __builtin_ctz(hits), first + l);

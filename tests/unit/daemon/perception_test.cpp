@@ -8,8 +8,8 @@
 #include <gtest/gtest.h>
 
 #include "platform/daemon/device_keeper.h"
-#include "tests/unit/daemon/fake_devices.h"
 #include "tests/memory/heap_guard.h"
+#include "tests/unit/daemon/fake_devices.h"
 
 namespace zenith {
 namespace {

@@ -67,7 +67,9 @@ double bilinear(const cv::Mat& image, double u, double v) {
   const int iv = static_cast<int>(std::floor(v));
   const double du = u - iu;
   const double dv = v - iv;
-  const auto at = [&image](int y, int x) { return static_cast<double>(image.at<std::uint8_t>(y, x)); };
+  const auto at = [&image](int y, int x) {
+    return static_cast<double>(image.at<std::uint8_t>(y, x));
+  };
   return (1.0 - dv) * ((1.0 - du) * at(iv, iu) + du * at(iv, iu + 1)) +
          dv * ((1.0 - du) * at(iv + 1, iu) + du * at(iv + 1, iu + 1));
 }
@@ -106,9 +108,10 @@ TEST_F(ImageBesideOpenCv, RectifiedPixelsAreWithinOneGreyLevel) {
       }
     }
   });
-  print_figure("rectified pixels within one grey level of cv::remap: %.3f %%; from exact, in grey levels: "
-         "%.2f at worst, cv::remap %.2f",
-         100.0 * (1.0 - static_cast<double>(far_from_opencv) / compared), worst, opencv_worst);
+  print_figure(
+      "rectified pixels within one grey level of cv::remap: %.3f %%; from exact, in grey levels: "
+      "%.2f at worst, cv::remap %.2f",
+      100.0 * (1.0 - static_cast<double>(far_from_opencv) / compared), worst, opencv_worst);
   EXPECT_GT(compared, 1000000);
   EXPECT_LT(worst, 1.5);
   EXPECT_LT(far_from_opencv, compared / 1000);
@@ -136,7 +139,7 @@ TEST_F(ImageBesideOpenCv, CornersAreTheSame) {
     }
   });
   print_figure("corners of goodFeaturesToTrack that are ours within 1 px: %.1f %% of %d",
-         100.0 * same / theirs_count, theirs_count);
+               100.0 * same / theirs_count, theirs_count);
   EXPECT_GT(theirs_count, 300);
   EXPECT_GE(same, 0.95 * theirs_count);
 }

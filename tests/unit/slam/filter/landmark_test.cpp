@@ -124,8 +124,9 @@ TEST(Landmark, UpdateEqualsTheKalmanFilter) {
       worst_m = std::max(worst_m, (place_m(all.get(i)) - place).norm());
     }
   }
-  print_figure("a landmark's place after an update, from the filter in double: %.1e m at worst of %d",
-               worst_m, 20 * kParticles);
+  print_figure(
+      "a landmark's place after an update, from the filter in double: %.1e m at worst of %d",
+      worst_m, 20 * kParticles);
   EXPECT_LT(worst_m, 1e-5);
 }
 

@@ -52,8 +52,9 @@ struct Case {
       Patch patch = random_patch(random, kind);
       // Some are what is looked for, a little changed.
       if (q % 2 == 0 && look_count > 0) {
-        patch = looks[static_cast<std::size_t>(random.below(static_cast<std::uint32_t>(look_count)))]
-                    .patch;
+        patch =
+            looks[static_cast<std::size_t>(random.below(static_cast<std::uint32_t>(look_count)))]
+                .patch;
         for (std::size_t i = 0; i < 40; ++i) patch.values[i * 5] /= 2;
         patch = requantised(patch);
       }
@@ -96,9 +97,9 @@ struct Case {
               std::vector<TwoBest>& found) const {
     if (begin == end) return;
     const Entry& first = looks[static_cast<std::size_t>(begin)];
-    const ExactLooks part = {first.compact.values.data(), &first.outline, sizeof(Entry),
-                             first.patch.values.data(),   &first.patch.inverse_norm,
-                             sizeof(Entry),               end - begin};
+    const ExactLooks part = {
+        first.compact.values.data(), &first.outline, sizeof(Entry), first.patch.values.data(),
+        &first.patch.inverse_norm,   sizeof(Entry),  end - begin};
     two_best_exact(table, packed, part, landmarks.data() + begin, begin, found.data());
   }
 
