@@ -6,7 +6,7 @@
 // coefficients) and a rest at right angles to it: p = share c + rest. Of the rest, `off` lies
 // within the compact form's 32 frequencies: what quantisation moved. By Cauchy and Schwarz
 //   NCC(a, b) <= share_a share_b ca.cb + |rest_a| |rest_b| + off_a + off_b
-// Source of the idea: facts on partial inner products, e.g. Teflioudi, Gemulla, "LEMP: fast
+// Source of the idea: bounds from a part of an inner product, as in Teflioudi, Gemulla, "LEMP: fast
 // retrieval of large entries in a matrix product", 2015.
 //
 // No heap, no state.
