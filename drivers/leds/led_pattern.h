@@ -1,6 +1,6 @@
 #pragma once
 // What the robot's lights show: a rhythm for each state, read from one LED alone, whatever its
-// colour. drivers/leds/README.md has the table for the robot's users.
+// colour. docs/lights.md has the table for the robot's users.
 
 #include <cstdint>
 

@@ -38,7 +38,9 @@ constexpr std::array kSections = {
     SectionText{"telemetry", "A local socket with lines of JSON: docs/daemon.md."},
     SectionText{"record", "`zenith record` of the running robot: docs/recording.md."},
     SectionText{"radio", "Other robots: docs/protocol.md. All that share a key build one map."},
-    SectionText{"leds", "What the robot's lights show: drivers/leds/README.md."},
+    SectionText{
+        "leds",
+        "What the robot's lights show: docs/lights.md; how to name them: drivers/leds/README.md."},
     SectionText{"log", "Lines on the standard error output, for journald or a person."},
     SectionText{"slam",
                 "The algorithm: docs/algorithm.md. `zenith --parameters` lists the same, `--set` "

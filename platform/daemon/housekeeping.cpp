@@ -82,7 +82,7 @@ void Housekeeping::tick(Time now) {
   health_ = judge_health(report_, lately_, started_, now);
   if (map_keeper_ != nullptr) map_keeper_->read(stored_);
   if (stored_.failing && health_.reason.empty() && report_.has_pose) {
-    health_ = {RobotLight::kDegraded, "the map cannot be kept"};
+    health_ = {RobotLight::kDegraded, kMapNotKept};
   }
   if (health_.light != before) light_changed_ = now;
   cooperation_.set_light(health_.light);

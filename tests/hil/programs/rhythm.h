@@ -1,5 +1,5 @@
 #pragma once
-// The robot's state from one of its lights, as a person reads it: drivers/leds/README.md. Written
+// The robot's state from one of its lights, as a person reads it: docs/lights.md. Written
 // against that table, not with the code that makes the rhythms.
 
 #include <cstddef>

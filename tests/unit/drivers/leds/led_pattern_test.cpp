@@ -23,7 +23,7 @@ std::string seen(RobotLight light, LedMask led, int first_step = 0) {
   return text;
 }
 
-// The table of drivers/leds/README.md.
+// The table of docs/lights.md.
 TEST(LedPattern, IsTheTableOfTheReadme) {
   EXPECT_EQ(seen(RobotLight::kStarting, kStatusLed), "##########..........");
   EXPECT_EQ(seen(RobotLight::kMapping, kStatusLed), "#...................");
