@@ -20,6 +20,12 @@ bool begins(const std::string& text, const std::string& with) {
   return text.compare(0, with.size(), with) == 0;
 }
 
+// "<!-- needs: a robot -->" -> "needs: a robot"
+std::string comment_in(const std::string& line) {
+  const std::size_t end = line.find("-->");
+  return begins(line, "<!--") && end != std::string::npos ? trimmed(line.substr(4, end - 4)) : "";
+}
+
 // "What it shows: `a_b`" -> "what-it-shows-a_b"
 std::string anchor_of(const std::string& heading) {
   std::string anchor;
@@ -32,6 +38,12 @@ std::string anchor_of(const std::string& heading) {
     }
   }
   return anchor;
+}
+
+// "- this", "12. that"
+bool is_item(const std::string& line) {
+  static const std::regex item(R"(\s*([-*]|\d+\.)\s.*)");
+  return std::regex_match(line, item);
 }
 
 std::vector<std::string> cells_of(const std::string& line) {
@@ -52,7 +64,7 @@ std::vector<std::string> cells_of(const std::string& line) {
 
 void take_text(const std::string& line, int number, Page& page) {
   static const std::regex link(R"(\]\(([^)\s]+)\))");
-  static const std::regex mention(R"(`([A-Za-z0-9_.\-]+/[A-Za-z0-9_./\-]*)`)");
+  static const std::regex mention(R"(`([A-Za-z0-9_.\-]+/[A-Za-z0-9_./\-]*\*?[A-Za-z0-9_.]*)`)");
   const auto all = [&](const std::regex& what, auto take) {
     for (std::sregex_iterator it(line.begin(), line.end(), what), end; it != end; ++it) {
       take((*it)[1].str());
@@ -84,9 +96,7 @@ Page read_page(const fs::path& path) {
       if (in_block) {
         page.blocks.push_back(block);
       } else {
-        const bool noted = begins(before, "<!--") && before.find("-->") != std::string::npos;
-        block = {trimmed(text.substr(3)),
-                 noted ? trimmed(before.substr(4, before.find("-->") - 4)) : "", "", number};
+        block = {trimmed(text.substr(3)), comment_in(trimmed(before)), "", number};
       }
       in_block = !in_block;
       continue;
@@ -96,7 +106,7 @@ Page read_page(const fs::path& path) {
       continue;
     }
     // In a list what stands four spaces in may be its text: code stands four further in.
-    const bool item = std::regex_search(line, std::regex(R"(^\s*([-*]|\d+\.)\s)"));
+    const bool item = is_item(line);
     if (item) in_list = true;
     if (!line.empty() && line[0] != ' ' && !item) in_list = false;
     const bool deep = begins(line, in_list ? "       " : "    ");

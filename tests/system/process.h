@@ -77,6 +77,7 @@ class Process {
     arguments.push_back(nullptr);
     pid_ = ::fork();
     if (pid_ != 0) return;
+    (void)::setpgid(0, 0);
     for (const Environment& e : environment) ::setenv(e.name, e.value.c_str(), 1);
     ::dup2(::open(output.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), STDOUT_FILENO);
     ::dup2(::open(errors.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), STDERR_FILENO);
@@ -92,15 +93,18 @@ class Process {
   Process& operator=(const Process&) = delete;
 
   void send(int signal) const { ::kill(pid_, signal); }
+  // To what it has started, too.
+  void send_group(int signal) const { ::kill(-pid_, signal); }
 
-  // The exit code, or -1 when it does not end in time or was killed.
+  // The exit code, as a shell has it: 128 and the signal when it was killed; -1 when it does not end
+  // in time.
   int wait(double limit_s) {
     int status = 0;
     const bool ended =
         wait_until(limit_s, [&] { return ::waitpid(pid_, &status, WNOHANG) == pid_; });
     if (!ended) return -1;
     pid_ = 0;
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   }
 
  private:

@@ -141,7 +141,7 @@ TEST_F(RecordSystemTest, WhatAKilledRecorderWroteIsARecordingAndTheRobotGoesOn) 
   auto record = record_from_daemon({});
   ASSERT_TRUE(wait_for_frames(5)) << said();
   record->send(SIGKILL);
-  EXPECT_EQ(record->wait(kLimit_s), -1);
+  EXPECT_EQ(record->wait(kLimit_s), 128 + SIGKILL);
   int frames = 0;
   read_back(frames);
   EXPECT_GE(frames, 5);
