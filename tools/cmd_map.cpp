@@ -5,6 +5,7 @@
 #include <ctime>
 #include <filesystem>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -23,7 +24,9 @@ using storage::StoredMap;
 constexpr const char* kStateFolder = "/var/lib/zenith";
 
 constexpr const char* kHelp =
-    R"(The service keeps its map in /var/lib/zenith; a folder stands for the newest map in it.
+    R"(The service keeps its map in /var/lib/zenith (map-0, map-1), and beside it what was mapped in
+sessions that ended before the robot found itself in that map (session-1-0, ...). A folder stands for
+the newest checkpoint of the map.
 
   zenith map list                                  the maps in the folder
   zenith map show /var/lib/zenith                  what the newest one holds
@@ -45,16 +48,26 @@ DecodedMap read_map(const fs::path& file) {
   return out;
 }
 
-std::vector<fs::path> generations(const fs::path& folder) {
+std::vector<fs::path> generations(const fs::path& folder, const std::string& name) {
   std::vector<fs::path> files;
   std::error_code code;
-  for (const char* name : storage::kGenerations) {
-    if (fs::exists(folder / name, code)) files.push_back(folder / name);
+  for (std::size_t i = 0; i < storage::kGenerations; ++i) {
+    const fs::path file = folder / storage::generation_file(name, i);
+    if (fs::exists(file, code)) files.push_back(file);
   }
   return files;
 }
 
-// A file, or the newest whole map of a folder.
+std::vector<fs::path> all_generations(const fs::path& folder) {
+  std::vector<fs::path> files = generations(folder, storage::kMainMap);
+  for (const char* name : storage::kSessionMaps) {
+    const auto further = generations(folder, name);
+    files.insert(files.end(), further.begin(), further.end());
+  }
+  return files;
+}
+
+// A file, or the newest whole main map of a folder.
 Result<StoredMap> find_map(const fs::path& path) {
   std::error_code code;
   if (!fs::is_directory(path, code)) {
@@ -64,7 +77,7 @@ Result<StoredMap> find_map(const fs::path& path) {
   }
   StoredMap newest;
   bool any = false;
-  for (const fs::path& file : generations(path)) {
+  for (const fs::path& file : generations(path, storage::kMainMap)) {
     DecodedMap decoded = read_map(file);
     if (decoded.fault != MapFault::kNone) continue;
     if (any && newest.head.checkpoint >= decoded.map.head.checkpoint) continue;
@@ -88,12 +101,14 @@ std::string when(std::int64_t saved_s) {
 
 int list(const std::string& folder) {
   std::error_code code;
-  int maps = 0;
+  std::set<fs::path> files;
   for (const auto& entry : fs::directory_iterator(folder, code)) {
     const std::string name = entry.path().filename().string();
-    if (name.find(".zenmap") == std::string::npos) continue;
-    ++maps;
-    const DecodedMap decoded = read_map(entry.path());
+    if (name.find(".zenmap") != std::string::npos) files.insert(entry.path());
+  }
+  for (const fs::path& file : files) {
+    const std::string name = file.filename().string();
+    const DecodedMap decoded = read_map(file);
     if (decoded.fault != MapFault::kNone) {
       std::printf("%-24s %s\n", name.c_str(), decoded.reason.c_str());
       continue;
@@ -104,7 +119,7 @@ int list(const std::string& folder) {
                 when(decoded.map.head.saved_s).c_str());
   }
   if (code) return fail({folder + ": " + code.message()});
-  if (maps == 0) std::printf("no maps in %s\n", folder.c_str());
+  if (files.empty()) std::printf("no maps in %s\n", folder.c_str());
   return 0;
 }
 
@@ -140,7 +155,7 @@ int check(const std::vector<std::string>& paths) {
   for (const std::string& path : paths) {
     std::error_code ignored;
     const bool folder = fs::is_directory(path, ignored);
-    const auto files = folder ? generations(path) : std::vector<fs::path>{path};
+    const auto files = folder ? all_generations(path) : std::vector<fs::path>{path};
     if (files.empty()) code = fail({path + ": expected stored maps, found none"});
     for (const fs::path& file : files) {
       const DecodedMap decoded = read_map(file);

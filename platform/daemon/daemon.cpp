@@ -154,7 +154,7 @@ void keep_map(MapKeeper& keeper, const Perception& perception, const std::atomic
   const auto report = std::make_unique<PerceptionReport>();
   while (!stop.load(std::memory_order_relaxed)) {
     sleep_until(monotonic_now() + kTick);
-    if (perception.read(*report)) keeper.turn_once(monotonic_now(), past_self(*report));
+    if (perception.read(*report)) keeper.turn_once(monotonic_now(), report->peers.span());
   }
 }
 
@@ -190,7 +190,11 @@ int run_daemon(const DaemonConfig& config, const std::filesystem::path& file,
   const std::string state = map_folder(config.map.folder);
   storage::DiskFolder folder(state);
   const auto keeper_of_map = make_map_keeper(config, state, folder);
-  if (keeper_of_map != nullptr) perception->remember(keeper_of_map->load());
+  if (keeper_of_map != nullptr) {
+    for (const PastMap& past : keeper_of_map->load()) {
+      perception->remember(past.slot, past.whole, past.landmarks);
+    }
+  }
   const auto cooperation =
       std::make_unique<Cooperation>(*exchange, link.get(), keeper_of_map.get());
   DeviceKeeper keeper(*devices->camera, perception->camera_turn(), *devices->can,
@@ -251,7 +255,7 @@ int run_daemon(const DaemonConfig& config, const std::filesystem::path& file,
   if (keeper_of_map != nullptr) {
     const auto last = std::make_unique<PerceptionReport>();
     perception->read(*last);
-    keeper_of_map->finish(monotonic_now(), past_self(*last));
+    keeper_of_map->finish(monotonic_now(), last->peers.span());
   }
   housekeeping.finish(monotonic_now());
   return started ? 0 : 1;

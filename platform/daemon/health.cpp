@@ -12,7 +12,7 @@ constexpr double kMissedShare = 0.1;
 int merged_peers(const PerceptionReport& report) {
   int count = 0;
   for (const PeerReport& peer : report.peers) {
-    count += peer.state == AlignmentState::kMerged && peer.peer != kPastSlot;
+    count += peer.state == AlignmentState::kMerged && peer.peer < kPeerSlots;
   }
   return count;
 }

@@ -112,10 +112,17 @@ void Housekeeping::log_event(const PerceptionEvent& event) const {
             "found itself in the stored map, whose origin lies at %.2f %.2f m, %.3f rad",
             event.pose.x_m, event.pose.y_m, event.pose.theta_rad);
       }
+      if (event.peer >= kPeerSlots) {
+        return log_line(LogLevel::kNotice, "found itself in the map of an earlier session");
+      }
       return log_line(
           LogLevel::kNotice, "merged with robot %s: its start lies at %.2f %.2f m, %.3f rad",
           link_.name_of(event.peer), event.pose.x_m, event.pose.y_m, event.pose.theta_rad);
     case PerceptionEventKind::kWithdrawn:
+      if (event.peer >= kPeerSlots) {
+        return log_line(LogLevel::kWarning, "it is not where it believed in the %s map",
+                        event.peer == kPastSlot ? "stored" : "earlier session's");
+      }
       return log_line(LogLevel::kWarning, "the merge with robot %s is withdrawn",
                       link_.name_of(event.peer));
     case PerceptionEventKind::kShedding:

@@ -42,6 +42,7 @@ struct LinkStatus {
   // "?" when it is not known.
   const char* name_of(int slot) const {
     if (slot == kPastSlot) return "past self";
+    if (slot >= kPeerSlots) return "earlier session";
     const bool known =
         slot >= 0 && slot < kMaxPeers && !names[static_cast<std::size_t>(slot)].empty();
     return known ? names[static_cast<std::size_t>(slot)].c_str() : "?";

@@ -1,30 +1,11 @@
 #include "platform/daemon/map_keeper.h"
 
-#include <cmath>
 #include <cstdlib>
 #include <cstring>
-#include <ctime>
 
-#include "platform/linux/clock.h"
 #include "platform/linux/log.h"
-#include "slam/fleet/continued_map.h"
 
 namespace zenith {
-namespace {
-
-// Of the inverse of a transform whose variances are these: J C J^T.
-Eigen::Matrix3d inverse_covariance(const Pose2& T, const std::array<double, 3>& variance) {
-  const double c = std::cos(T.theta_rad);
-  const double s = std::sin(T.theta_rad);
-  Eigen::Matrix3d J;
-  J << -c, -s, s * T.x_m - c * T.y_m,  //
-      s, -c, c * T.x_m + s * T.y_m,    //
-      0.0, 0.0, -1.0;
-  const Eigen::Vector3d diagonal(variance[0], variance[1], variance[2]);
-  return J * diagonal.asDiagonal() * J.transpose();
-}
-
-}  // namespace
 
 const PeerReport* past_self(const PerceptionReport& report) {
   for (const PeerReport& peer : report.peers) {
@@ -42,37 +23,15 @@ std::string map_folder(const std::string& configured) {
 }
 
 MapKeeper::MapKeeper(storage::Folder& folder, const storage::MapHead& head, Duration interval)
-    : store_(folder), interval_(interval) {
-  map_.head = head;
-}
+    : shelf_(folder, head), interval_(interval) {}
 
-std::span<const LandmarkRecord> MapKeeper::load() {
-  const Time start = monotonic_now();
-  storage::LoadedMap loaded = store_.load();
-  for (const std::string& message : loaded.messages) {
-    log_line(LogLevel::kWarning, "stored map: %s", message.c_str());
+std::span<const PastMap> MapKeeper::load() {
+  past_ = shelf_.load();
+  for (const PastMap& past : past_) {
+    const bool is_main = past.slot == kPastSlot;
+    if (is_main) told_.past = static_cast<std::uint32_t>(past.landmarks.size());
+    told_.sessions += past.whole ? 0 : 1;
   }
-  if (!loaded.map) {
-    log_line(LogLevel::kNotice, "stored map: none yet; a new one begins");
-  } else {
-    past_ = std::move(loaded.map->landmarks);
-    told_.checkpoint = loaded.map->head.checkpoint;
-    told_.past = static_cast<std::uint32_t>(past_.size());
-    const double height_m = map_.head.camera_height_m;
-    const std::string robot = loaded.map->head.robot.c_str();
-    map_.head.map = loaded.map->head.map;
-    log_line(LogLevel::kNotice,
-             "stored map: %zu landmarks of %s, checkpoint %llu, read in %.0f ms from %s",
-             past_.size(), robot.c_str(), static_cast<unsigned long long>(told_.checkpoint),
-             (monotonic_now() - start).seconds() * 1e3, loaded.file.c_str());
-    if (std::abs(loaded.map->head.camera_height_m - height_m) > 0.05) {
-      log_line(LogLevel::kWarning,
-               "stored map: made with a camera at %.2f m, this one is at %.2f m: it may not be "
-               "recognised",
-               loaded.map->head.camera_height_m, height_m);
-    }
-  }
-  told_.map = map_.head.map;
   status_.write(told_);
   return past_;
 }
@@ -82,19 +41,20 @@ void MapKeeper::note(const LandmarkRecord& own) {
   own_.note(own);
 }
 
-void MapKeeper::turn_once(Time now, const PeerReport* past) {
-  if (told_.found != (past != nullptr)) {
-    told_.found = past != nullptr;
+void MapKeeper::turn_once(Time now, std::span<const PeerReport> peers) {
+  const unsigned found = shelf_.found(peers);
+  if (told_.found != shelf_.found_main(found)) {
+    told_.found = shelf_.found_main(found);
     status_.write(told_);
   }
-  if (due(now)) save(now, past);
+  if (due(now, found)) save(now, peers);
 }
 
 // Copies the own map when it is time for a checkpoint.
-bool MapKeeper::due(Time now) {
+bool MapKeeper::due(Time now, unsigned found) {
   if (now < next_) return false;
   const std::scoped_lock lock(mutex_);
-  const bool new_ones = own_.members_changed() != members_;
+  const bool new_ones = own_.members_changed() != members_ || found != found_;
   const bool refined = own_.changed() != changed_ && now >= next_refinement_;
   if (own_.size() == 0 || (!new_ones && !refined)) return false;
   now_ = own_.landmarks();
@@ -103,46 +63,33 @@ bool MapKeeper::due(Time now) {
   return true;
 }
 
-void MapKeeper::finish(Time now, const PeerReport* past) {
+void MapKeeper::finish(Time now, std::span<const PeerReport> peers) {
   next_ = next_refinement_ = now;
-  turn_once(now, past);
+  turn_once(now, peers);
 }
 
-void MapKeeper::leave_past(Time now) {
+void MapKeeper::leave_main() {
   log_line(LogLevel::kWarning,
            "stored map: not recognised, and %zu new landmarks were found: this is another place",
            now_.size());
-  const Status left = store_.set_all_aside();
+  const Status left = shelf_.leave_main();
   if (!left) log_line(LogLevel::kWarning, "stored map: %s", left.error().message.c_str());
-  past_.clear();
-  map_.head.map = static_cast<std::uint64_t>(now.ns) * 0x9E3779B97F4A7C15U;
-  told_.map = map_.head.map;
 }
 
-std::vector<LandmarkRecord> MapKeeper::to_write(const PeerReport* past) const {
-  if (past == nullptr) return now_;
-  std::vector<LandmarkRecord> all(kMaxLandmarks);
-  all.resize(continue_map(past_, now_, past->T_own_peer.inverse(),
-                          inverse_covariance(past->T_own_peer, past->variance), all));
-  return all;
-}
-
-void MapKeeper::save(Time now, const PeerReport* past) {
+void MapKeeper::save(Time now, std::span<const PeerReport> peers) {
   next_ = now + interval_;
-  if (past == nullptr && !past_.empty()) {
-    if (now_.size() < kNewMap) return;  // it may still find itself
-    leave_past(now);
-  }
-  map_.landmarks = to_write(past_.empty() ? nullptr : past);
-  map_.head.saved_s = static_cast<std::int64_t>(std::time(nullptr));
-  const Status saved = store_.save(map_);
+  const unsigned found = shelf_.found(peers);
+  if (shelf_.has_main() && !shelf_.found_main(found) && now_.size() >= kNewMap) leave_main();
+  const Status saved = shelf_.save(now_, peers);
   if (saved) {
     changed_ = changed_now_;
     members_ = members_now_;
+    found_ = found;
     next_refinement_ = now + Duration{interval_.ns * kRefinementWaits};
     if (told_.failing) log_line(LogLevel::kNotice, "stored map: checkpoints are written again");
-    told_.checkpoint = map_.head.checkpoint;
-    told_.landmarks = static_cast<std::uint32_t>(map_.landmarks.size());
+    told_.place.assign(shelf_.written_name());
+    told_.checkpoint = shelf_.written().head.checkpoint;
+    told_.landmarks = static_cast<std::uint32_t>(shelf_.written().landmarks.size());
     told_.last = now;
     ++told_.written;
     told_.error = {};
@@ -154,7 +101,7 @@ void MapKeeper::save(Time now, const PeerReport* past) {
     told_.error.assign(saved.error().message);
   }
   told_.failing = !saved;
-  told_.bytes = store_.bytes_written();
+  told_.bytes = shelf_.bytes_written();
   status_.write(told_);
 }
 

@@ -1,42 +1,37 @@
 #pragma once
-// Keeps the map across restarts: loads the stored one at the start, which perception gets as its
-// past self, and writes checkpoints.
-//
-//   nothing stored                 the own map, in the own start frame
-//   stored, robot not found yet    nothing: the stored map stays as it is
-//   found itself                   both maps as one in the stored map's frame (continued_map.h)
-//   kNewMap landmarks, not found   it is another place: the stored map is set aside, a new one
-//   begins
+// Keeps the map across restarts: says when the maps in the state folder are written. Which of them,
+// and what: map_shelf.h. kNewMap landmarks of a robot that has not found itself in the main map:
+// this is another place; the stored map is set aside and a new one begins.
 //
 // On a thread of its own: a slow card may take seconds to sync. What it needs of the own map it
 // copies under a lock that is held for a millisecond at most and that perception never takes.
 
 #include <mutex>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "platform/base/fixed_text.h"
 #include "platform/base/time.h"
+#include "platform/daemon/map_shelf.h"
 #include "platform/daemon/perception_report.h"
 #include "platform/linux/snapshot.h"
-#include "platform/storage/map_store.h"
 #include "platform/storage/own_map.h"
 
 namespace zenith {
 
 struct MapStatus {
-  bool failing = false;  // the last checkpoint could not be written
-  FixedText<200> error;  // why
-  std::uint64_t map = 0;
-  std::uint64_t checkpoint = 0;  // the last one that is on the disk
+  bool failing = false;          // the last checkpoint could not be written
+  FixedText<200> error;          // why
+  FixedText<16> place;           // of the last checkpoint: kMainMap, or one of kSessionMaps
+  std::uint64_t checkpoint = 0;  // its number there; before the first, that of the loaded main map
   std::uint64_t written = 0;     // checkpoints of this run
   std::uint64_t failed = 0;
   std::uint64_t bytes = 0;      // of this run
   std::uint32_t landmarks = 0;  // of the last checkpoint
-  std::uint32_t past = 0;       // landmarks that were loaded
-  bool found = false;           // the robot found itself in them
+  std::uint32_t past = 0;       // landmarks of the main map that was loaded
+  std::uint32_t sessions = 0;   // maps of earlier sessions that were loaded
+  bool found = false;           // the robot found itself in the main map
   Time last;                    // checkpoint of this run
 };
 
@@ -51,31 +46,29 @@ class MapKeeper {
   // `folder` must outlive it. `head` is what new maps get.
   MapKeeper(storage::Folder& folder, const storage::MapHead& head, Duration interval);
 
-  // Before any thread; logs what was found. Empty when nothing is stored. Valid as long as this is.
-  std::span<const LandmarkRecord> load();
+  // Before any thread; logs what was found. Valid as long as this is.
+  std::span<const PastMap> load();
 
   // --- the cooperation thread
   void note(const LandmarkRecord& own);
 
   // --- the keeper's own thread
-  // Writes when it is time. `past` is the alignment with the stored map, or null.
-  void turn_once(Time now, const PeerReport* past);
+  // Writes when it is time. `peers`: the alignments, those with past maps among them.
+  void turn_once(Time now, std::span<const PeerReport> peers);
   // At the end, when all other threads are: what is not written yet.
-  void finish(Time now, const PeerReport* past);
+  void finish(Time now, std::span<const PeerReport> peers);
 
   // --- any thread
   bool read(MapStatus& out) const { return status_.read(out); }
 
  private:
-  bool due(Time now);
-  void save(Time now, const PeerReport* past);
-  void leave_past(Time now);
-  std::vector<LandmarkRecord> to_write(const PeerReport* past) const;
+  bool due(Time now, unsigned found);
+  void save(Time now, std::span<const PeerReport> peers);
+  void leave_main();
 
-  storage::MapStore store_;
-  storage::StoredMap map_;  // head of what is written; landmarks of the last checkpoint
+  MapShelf shelf_;
   const Duration interval_;
-  std::vector<LandmarkRecord> past_;
+  std::vector<PastMap> past_;
 
   std::mutex mutex_;
   storage::OwnMap own_;  // under mutex_
@@ -85,6 +78,7 @@ class MapKeeper {
   std::uint64_t members_ = 0;
   std::uint64_t changed_now_ = 0;
   std::uint64_t members_now_ = 0;
+  unsigned found_ = 0;  // at the last checkpoint, MapShelf::found()
   Time next_;
   Time next_refinement_;
   MapStatus told_;

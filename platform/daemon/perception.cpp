@@ -273,7 +273,7 @@ void Perception::note_alignments() {
   state.has_pose = true;
   state.T_start_robot = report_.T_start_robot;
   for (const PeerReport& peer : peers) {
-    if (peer.peer != kPastSlot) state.peers.push_back(peer);
+    if (peer.peer < kPeerSlots) state.peers.push_back(peer);
   }
   exchange_.own_state.write(state);
 }

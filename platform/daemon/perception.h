@@ -46,8 +46,14 @@ class Perception {
   Perception(Devices& devices, const Parameters& parameters, std::uint64_t seed,
              const LiveSettings& live, Exchange& exchange, tap::Tap* tap = nullptr);
 
-  // Before run(): the stored map, as this robot's past self.
-  void remember(std::span<const LandmarkRecord> map) { slam_->remember(kPastSlot, map); }
+  // Before run(): a stored map, as this robot's past self; one that is not whole as any peer's.
+  void remember(int slot, bool whole, std::span<const LandmarkRecord> map) {
+    if (whole) {
+      slam_->remember(slot, map);
+    } else {
+      slam_->receive(slot, map);
+    }
+  }
 
   // The thread's body.
   void run(const std::atomic<bool>& stop);

@@ -18,8 +18,11 @@
 
 namespace zenith {
 
-// Of the robot's own stored map; peers' maps lie in the slots below.
+// The robot's own stored maps lie in the last slots, the one that it goes on with in the very last
+// (map_shelf.h); peers' maps in the slots below.
+inline constexpr int kPastMaps = 5;
 inline constexpr int kPastSlot = kMaxPeers - 1;
+inline constexpr int kPeerSlots = kMaxPeers - kPastMaps;
 
 struct PeerReport {
   int peer = 0;

@@ -27,7 +27,7 @@ PeerExchangeSettings exchange_settings(const RadioConfig& config, const SessionS
   settings.synchroniser.peer_rate = 4 * config.max_rate;
   const bool ipv6 = config.udp.group.find(':') != std::string::npos;
   settings.synchroniser.headers_below = ipv6 ? exchange::kIpv6UdpBytes : exchange::kIpv4UdpBytes;
-  settings.synchroniser.slots = kPastSlot;
+  settings.synchroniser.slots = kPeerSlots;
   return settings;
 }
 
@@ -171,7 +171,7 @@ void RadioLink::send(Time now) {
 // --- the map and the state -----------------------------------------------------------------------
 
 std::size_t RadioLink::room(int slot) {
-  if (slot < 0 || slot >= kPastSlot) return 0;
+  if (slot < 0 || slot >= kPeerSlots) return 0;
   tell_forgotten();
   if (forgotten_[static_cast<std::size_t>(slot)]) return 0;
   return std::min(Exchange::kRecords - exchange_.peers.size(), exchange_.room_to_show());
@@ -184,7 +184,7 @@ void RadioLink::take(int slot, const LandmarkRecord& record) {
 }
 
 void RadioLink::forget(int slot) {
-  if (slot < 0 || slot >= kPastSlot) return;
+  if (slot < 0 || slot >= kPeerSlots) return;
   forgotten_[static_cast<std::size_t>(slot)] = true;
   names_[static_cast<std::size_t>(slot)] = {};
   tell_forgotten();
@@ -213,7 +213,7 @@ void RadioLink::tell_state(Time now, exchange::Health health) {
 // Peers that have merged with the own map say so in their state, again and again.
 void RadioLink::offer_alignments(Time now) {
   constexpr Duration kFresh = {3'000'000'000};
-  for (int slot = 0; slot < kPastSlot; ++slot) {
+  for (int slot = 0; slot < kPeerSlots; ++slot) {
     const exchange::PeerStatus& peer = peers_.synchroniser().peer(slot);
     if (!peer.used || !peer.about_us_heard || now > peer.heard_at + kFresh) continue;
     if (peer.about_us.state != exchange::AlignmentNotice::State::kMerged) continue;
@@ -224,7 +224,7 @@ void RadioLink::offer_alignments(Time now) {
 // --- telling -------------------------------------------------------------------------------------
 
 void RadioLink::note_names() {
-  for (int slot = 0; slot < kPastSlot; ++slot) {
+  for (int slot = 0; slot < kPeerSlots; ++slot) {
     const int session = peers_.synchroniser().peer(slot).session;
     const Session* peer = session >= 0 ? peers_.sessions().session(session) : nullptr;
     if (peer != nullptr && !peer->name.empty()) names_[static_cast<std::size_t>(slot)] = peer->name;

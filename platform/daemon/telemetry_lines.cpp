@@ -112,10 +112,12 @@ void write_pose(JsonLine& line, const PerceptionReport& report) {
 
 void write_stored_map(JsonLine& line, const MapStatus& status, Time now) {
   line.text("type", "stored_map")
+      .text("place", status.place.view())
       .count("checkpoint", status.checkpoint)
       .number("age_s", status.written > 0 ? (now - status.last).seconds() : -1.0)
       .count("landmarks", status.landmarks)
       .count("past_landmarks", status.past)
+      .count("sessions", status.sessions)
       .flag("found", status.found)
       .count("written", status.written)
       .count("failed", status.failed)

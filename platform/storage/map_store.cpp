@@ -13,8 +13,8 @@ constexpr int kMostAside = 100;
 
 LoadedMap MapStore::load() {
   LoadedMap loaded;
-  for (std::size_t i = 0; i < kGenerations.size(); ++i) {
-    const char* name = kGenerations[i];
+  for (std::size_t i = 0; i < kGenerations; ++i) {
+    const std::string name = file(i);
     if (!folder_.exists(name)) continue;
     const std::string path = folder_.path_of(name);
     DecodedMap decoded;
@@ -51,16 +51,24 @@ Status MapStore::set_aside(std::size_t generation, MapFault fault, std::string& 
 }
 
 Status MapStore::set_all_aside() {
-  for (std::size_t i = 0; i < kGenerations.size(); ++i) {
+  for (std::size_t i = 0; i < kGenerations; ++i) {
     std::string to;
-    if (!folder_.exists(kGenerations[i])) continue;
+    if (!folder_.exists(file(i))) continue;
     if (const Status moved = rename_aside(i, ".left", to); !moved) return moved;
   }
   return {};
 }
 
+Status MapStore::remove() {
+  for (std::size_t i = 0; i < kGenerations; ++i) {
+    if (!folder_.exists(file(i))) continue;
+    if (const Status removed = folder_.remove(file(i)); !removed) return removed;
+  }
+  return folder_.sync_folder();
+}
+
 Status MapStore::rename_aside(std::size_t generation, const std::string& kind, std::string& to) {
-  const std::string name = kGenerations[generation];
+  const std::string name = file(generation);
   for (int i = 1; i <= kMostAside; ++i) {
     const std::string aside = name + kind + (i == 1 ? "" : "-" + std::to_string(i));
     if (folder_.exists(aside)) continue;
@@ -84,11 +92,11 @@ Status MapStore::save(StoredMap& map) {
   const Status written = write_partial(bytes);
   folder_.close();
   if (!written) {
-    (void)folder_.remove(kPartial);  // a full disk needs the room
+    (void)folder_.remove(partial());  // a full disk needs the room
     return written;
   }
-  if (const Status put = folder_.rename(kPartial, kGenerations[target]); !put) {
-    (void)folder_.remove(kPartial);
+  if (const Status put = folder_.rename(partial(), file(target)); !put) {
+    (void)folder_.remove(partial());
     return put;
   }
   // From here on the new one may be what is found after a power cut.
@@ -99,7 +107,7 @@ Status MapStore::save(StoredMap& map) {
 }
 
 Status MapStore::write_partial(Bytes bytes) {
-  if (const Status created = folder_.create(kPartial); !created) return created;
+  if (const Status created = folder_.create(partial()); !created) return created;
   // In pieces: no write is so long that a slow card holds everything else up.
   constexpr std::size_t kPiece = std::size_t{64} * 1024;
   while (!bytes.empty()) {

@@ -53,6 +53,13 @@ class SimDaemon {
       return reader_ != nullptr;
     });
   }
+  // From the next start on.
+  void set_world(const std::filesystem::path& world) {
+    std::string text = tools::read_text(base_ + ".toml");
+    text.replace(text.find("world = "), std::string::npos,
+                 "world = \"" + world.string() + "\"\nrobot = \"" + name_ + "\"\n");
+    tools::write_text(base_ + ".toml", text);
+  }
   // It reads its files again.
   void hang_up() { process_->send(SIGHUP); }
   int stop() {

@@ -1,5 +1,7 @@
 // The map of a real daemon through kills: it is readable, and the next life finds itself in it.
 
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 #include "platform/base/random.h"
@@ -13,51 +15,134 @@ namespace {
 
 constexpr double kLimit_s = 120.0;  // what is waited for is a state
 
-double stored(const SimDaemon& daemon, const char* key) {
-  const auto line = daemon.latest("stored_map");
-  return line.is_null() ? 0.0 : line[key].get<double>();
+const std::filesystem::path kRoom = ZENITH_SOURCE_DIR "/tests/system/worlds/one-room.toml";
+
+// The same room under another ceiling: nothing of the one is found in the other.
+std::filesystem::path another_room(const std::filesystem::path& folder) {
+  std::string text = tools::read_text(kRoom);
+  const std::string seed = "seed = 7";
+  text.replace(text.find(seed), seed.size(), "seed = 8");
+  tools::write_text(folder / "another-room.toml", text);
+  return folder / "another-room.toml";
 }
 
-TEST(StoredMap, SurvivesKillsAndIsFoundAgain) {
-  const TestSeed seed;
-  Random random(seed.value(), 1);
-  const tools::TemporaryFolder folder;
-  const auto state = folder.path() / "state";
-  std::filesystem::create_directory(state);
+class StoredMap : public testing::Test {
+ protected:
+  // The first life: until a map is on the disk.
+  void map_the_room() {
+    std::filesystem::create_directory(state_);
+    ASSERT_TRUE(daemon_.start());
+    ASSERT_TRUE(listen([&] { return stored("landmarks") > 120; })) << daemon_.log();
+  }
+  template <typename Holds>
+  bool listen(Holds holds) {
+    return listen_until({&daemon_}, kLimit_s, holds);
+  }
+  double stored(const char* key) const {
+    const auto line = daemon_.latest("stored_map");
+    return line.is_null() ? 0.0 : line[key].get<double>();
+  }
+  // Where the last checkpoint went.
+  std::string place() const {
+    const auto line = daemon_.latest("stored_map");
+    return line.is_null() ? "" : line["place"];
+  }
+  double promoted() const {
+    const auto line = daemon_.latest("health");
+    return line.is_null() ? 0.0 : line["map"]["promoted"].get<double>();
+  }
+  storage::StoredMap on_disk(const std::string& name) const {
+    storage::DiskFolder disk(state_.string());
+    storage::MapStore store(disk, name);
+    storage::LoadedMap loaded = store.load();
+    EXPECT_TRUE(loaded.messages.empty()) << loaded.messages.front();
+    return loaded.map ? std::move(*loaded.map) : storage::StoredMap{};
+  }
+
+  const TestSeed seed_;
+  Random random_{seed_.value(), 1};
+  const tools::TemporaryFolder folder_;
+  const std::filesystem::path state_ = folder_.path() / "state";
   // Lines behind the radio's, which has no key and stays off.
-  SimDaemon daemon(folder.path(), "r1",
-                   "[map]\nfolder = \"" + state.string() + "\"\ninterval_s = 1\n");
-  ASSERT_TRUE(daemon.start());
-  ASSERT_TRUE(listen_until({&daemon}, kLimit_s, [&] { return stored(daemon, "landmarks") > 120; }))
-      << daemon.log();
+  SimDaemon daemon_{folder_.path(), "r1",
+                    "[map]\nfolder = \"" + state_.string() + "\"\ninterval_s = 1\n"};
+};
+
+TEST_F(StoredMap, KillsBeforeItFoundItselfCostNoneOfTheMaps) {
+  map_the_room();
+  daemon_.kill();
+  const storage::StoredMap map = on_disk("map");
+  const std::size_t before = map.landmarks.size();
+
+  // It is carried into another room, and switched off twice before it has found anything there.
+  daemon_.set_world(another_room(folder_.path()));
+  const std::vector<std::string> sessions = {"session-1", "session-2"};
+  std::size_t first = 0;
+  for (const std::string& session : sessions) {
+    ASSERT_TRUE(daemon_.start());
+    ASSERT_TRUE(listen([&] { return promoted() > 40; }));
+    // Two intervals later all of that must be on the disk.
+    const double mapped = promoted();
+    const Time killed = monotonic_now() + Duration::from_seconds(2.0 + random_.uniform());
+    ASSERT_TRUE(listen([&] { return monotonic_now() > killed; }));
+    daemon_.kill();
+    const std::size_t kept = on_disk(session).landmarks.size();
+    print_figure(
+        "stored map, killed before it found itself: %zu landmarks kept, %.0f had been "
+        "mapped 2 s before",
+        kept, mapped);
+    EXPECT_GE(static_cast<double>(kept), 0.9 * mapped);
+    EXPECT_EQ(on_disk("map").landmarks.size(), before) << "it stays as it was";
+    if (first == 0) first = kept;
+  }
+
+  // Let drive, it finds itself in the first of these sessions, which goes on.
+  ASSERT_TRUE(daemon_.start());
+  ASSERT_TRUE(listen([&] {
+    return stored("landmarks") > 0 && stored("sessions") == 2 &&
+           (place() == "session-1" || place() == "session-2");
+  })) << daemon_.log();
+  EXPECT_TRUE(daemon_.logged("found itself in the map of an earlier session"));
+  daemon_.kill();
+  EXPECT_EQ(on_disk("map").landmarks.size(), before);
+  EXPECT_GT(std::max(on_disk("session-1").landmarks.size(), on_disk("session-2").landmarks.size()),
+            first);
+
+  // Back in its own room.
+  daemon_.set_world(kRoom);
+  ASSERT_TRUE(daemon_.start());
+  ASSERT_TRUE(listen([&] { return place() == "map"; })) << daemon_.log();
+  EXPECT_EQ(daemon_.stop(), 0);
+  EXPECT_GE(on_disk("map").landmarks.size(), before);
+  EXPECT_GT(on_disk("map").head.checkpoint, map.head.checkpoint);
+}
+
+TEST_F(StoredMap, SurvivesKillsAndIsFoundAgain) {
+  map_the_room();
   std::uint64_t checkpoint = 0;
   for (int life = 0; life < 3; ++life) {
-    sleep_until(monotonic_now() + Duration::from_seconds(random.uniform()));
-    daemon.kill();
-    storage::DiskFolder disk(state.string());
-    storage::MapStore store(disk);
-    const storage::LoadedMap loaded = store.load();
-    ASSERT_TRUE(loaded.map.has_value()) << "life " << life;
-    EXPECT_TRUE(loaded.messages.empty()) << loaded.messages.front();
-    EXPECT_GT(loaded.map->head.checkpoint, checkpoint) << "each life goes on writing";
-    checkpoint = loaded.map->head.checkpoint;
+    sleep_until(monotonic_now() + Duration::from_seconds(random_.uniform()));
+    daemon_.kill();
+    const std::uint64_t now = on_disk("map").head.checkpoint;
+    EXPECT_GT(now, checkpoint) << "each life goes on writing, life " << life;
+    checkpoint = now;
 
     // The simulated robot begins at its first place again: there lies the origin of its map.
-    ASSERT_TRUE(daemon.start());
-    ASSERT_TRUE(listen_until({&daemon}, kLimit_s, [&] {
-      const auto pose = daemon.latest("pose");
-      return stored(daemon, "written") > 0 && !pose.is_null() && pose.contains("map_pose");
-    })) << daemon.log();
-    const auto pose = daemon.latest("pose");
+    ASSERT_TRUE(daemon_.start());
+    ASSERT_TRUE(listen([&] {
+      const auto pose = daemon_.latest("pose");
+      return place() == "map" && !pose.is_null() && pose.contains("map_pose");
+    })) << daemon_.log();
+    const auto pose = daemon_.latest("pose");
     const double off_m =
         std::hypot(pose["map_pose"][0].get<double>() - pose["pose"][0].get<double>(),
                    pose["map_pose"][1].get<double>() - pose["pose"][1].get<double>());
     print_figure("stored map, life %d: %.0f landmarks loaded, found %.2f m from its true place",
-                 life + 2, stored(daemon, "past_landmarks"), off_m);
+                 life + 2, stored("past_landmarks"), off_m);
     EXPECT_LT(off_m, 0.15);
-    EXPECT_TRUE(daemon.logged("found itself in the stored map"));
+    EXPECT_TRUE(daemon_.logged("found itself in the stored map"));
   }
-  EXPECT_EQ(daemon.stop(), 0);
+  EXPECT_EQ(daemon_.stop(), 0);
 }
 
 }  // namespace
