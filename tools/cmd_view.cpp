@@ -13,6 +13,7 @@
 #include "tools/replay.h"
 #include "tools/scratch_folder.h"
 #include "tools/view/live.h"
+#include "tools/view/look_back.h"
 #include "tools/view/player.h"
 #include "tools/view/web_server.h"
 
@@ -67,8 +68,10 @@ void print_address(const ViewCommand& command, int port) {
 int play(const ViewCommand& command, Timeline timeline, Signals& signals) {
   FleetState state;
   Player player(state, std::move(timeline));
-  const auto server =
-      WebServer::start(command.web, state, [&](const nlohmann::json& c) { player.control(c); });
+  const auto server = WebServer::start(command.web, state, [&](const nlohmann::json& request) {
+    if (request.contains("control")) player.control(request["control"]);
+    return state.answer(request);
+  });
   if (!server.ok()) return fail(server.error());
   print_address(command, (*server)->port());
   Time before = monotonic_now();
@@ -82,11 +85,20 @@ int play(const ViewCommand& command, Timeline timeline, Signals& signals) {
 
 int listen(const ViewCommand& command, std::vector<RobotAddress> robots, Signals& signals) {
   FleetState state;
-  Live live(state, std::move(robots));
-  const auto server = WebServer::start(command.web, state, {});
+  History history;
+  Live live(state, std::move(robots), &history);
+  LookBack look_back(state, history);
+  const auto server = WebServer::start(
+      command.web, state, [&](const nlohmann::json& request) { return look_back.answer(request); });
   if (!server.ok()) return fail(server.error());
   print_address(command, (*server)->port());
-  while (signals.wait({0}) != SignalRequest::kStop) live.turn(kSlice, signals.fd());
+  Time before = monotonic_now();
+  while (signals.wait({0}) != SignalRequest::kStop) {
+    live.turn(kSlice, signals.fd());
+    const Time now = monotonic_now();
+    look_back.turn(now - before);
+    before = now;
+  }
   return 0;
 }
 

@@ -128,6 +128,27 @@ TEST_F(ViewTest, ShowsRobotsLiveAndHowTheyMerge) {
   EXPECT_TRUE(browser->wait_for("window.saved > 10000", 30.0));
   EXPECT_THAT(browser->console(), testing::IsEmpty());
 
+  // The slider looks back, at this page alone; metrics stay with what is now.
+  browser->run(
+      "const s = document.getElementById('slider'); s.value = 2;"
+      " s.dispatchEvent(new Event('input')); s.dispatchEvent(new Event('change'))");
+  ASSERT_TRUE(browser->wait_for(
+      "document.getElementById('connection').textContent === 'past'", kSoon_s));
+  ASSERT_TRUE(browser->wait_for("window.zenith.fleet.clock.position_s === 2", kSoon_s));
+  EXPECT_TRUE(
+      browser->wait_for("!window.zenith.map.layers.find(l => l.name === 'r2')?.placed", kSoon_s))
+      << "they had not joined yet";
+  EXPECT_EQ(browser->run("return document.querySelectorAll('#marks i').length > 0"), true)
+      << "a merge is marked";
+  save_all(*browser, "past");
+  browser->run("document.getElementById('to-live').click()");
+  ASSERT_TRUE(
+      browser->wait_for("document.getElementById('connection').textContent === 'live' "
+                        "&& document.getElementById('to-live').hidden",
+                        kSoon_s));
+  EXPECT_TRUE(browser->wait_for(
+      "window.zenith.map.layers.find(l => l.name === 'r2')?.placed === true", kSoon_s));
+
   // Who falls silent is told of; so is the loss of the program itself.
   r1.kill();
   EXPECT_TRUE(

@@ -19,6 +19,9 @@ namespace zenith::tools {
 
 class FleetState {
  public:
+  // Answers of states with other epochs are told apart by a page that changes between them.
+  explicit FleetState(std::uint64_t first_epoch = 1) : epoch_(first_epoch) {}
+
   // Robots are numbered in the order in which they are added, before anybody reads.
   std::size_t add(const std::string& label);
   std::size_t size() const;
@@ -28,7 +31,7 @@ class FleetState {
   // Everything is forgotten; lines then build another state (a replay that goes back). Calls of
   // `build` to apply() are within the same lock: nobody sees the half.
   void rebuild(const std::function<void()>& build);
-  // Where a replay is; live: null.
+  // Where a replay is, or how far one may look back.
   void set_clock(const nlohmann::json& clock);
 
   // What a page that says `request` gets: docs/view.md.
@@ -46,7 +49,7 @@ class FleetState {
   std::vector<RobotState> robots_;
   std::vector<bool> wishes_;  // for pictures
   std::uint64_t version_ = 0;
-  std::uint64_t epoch_ = 1;
+  std::uint64_t epoch_;
   nlohmann::json clock_;
 };
 

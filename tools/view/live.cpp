@@ -12,12 +12,25 @@ constexpr Duration kAskEvery = {1'000'000'000};
 
 }  // namespace
 
-Live::Live(FleetState& state, std::vector<RobotAddress> robots) : state_(state) {
+Live::Live(FleetState& state, std::vector<RobotAddress> robots, History* history)
+    : state_(state), history_(history) {
   for (RobotAddress& robot : robots) {
-    const std::size_t number = state_.add(robot.text.empty() ? "robot" : robot.text);
+    const std::string label = robot.text.empty() ? "robot" : robot.text;
+    const std::size_t number = state_.add(label);
+    if (history_ != nullptr) history_->add(label);
     links_.emplace_back(std::move(robot));
     state_.set_link(number, false, links_.back().why());
   }
+}
+
+void Live::take(std::size_t robot, std::string_view text, Time now) {
+  const nlohmann::json line = nlohmann::json::parse(text, nullptr, false);
+  if (!line.is_object()) return;
+  state_.apply(robot, line);
+  if (history_ == nullptr) return;
+  state_.read([&](const std::vector<RobotState>& robots) {
+    history_->note(robot, robots[robot], line, text, now);
+  });
 }
 
 void Live::turn(Duration wait, int wake_fd) {
@@ -28,10 +41,7 @@ void Live::turn(Duration wait, int wake_fd) {
   const bool may_ask = now >= next_wish_;
   if (may_ask) next_wish_ = now + kAskEvery;
   for (std::size_t i = 0; i < links_.size(); ++i) {
-    const bool changed = links_[i].turn(now, [&](std::string_view text) {
-      const nlohmann::json line = nlohmann::json::parse(text, nullptr, false);
-      if (line.is_object()) state_.apply(i, line);
-    });
+    const bool changed = links_[i].turn(now, [&](std::string_view text) { take(i, text, now); });
     if (changed) state_.set_link(i, links_[i].up(), links_[i].why());
     if (may_ask && state_.take_wish(i)) links_[i].ask_picture();
   }

@@ -89,7 +89,9 @@ bool RobotState::apply(const json& line, std::uint64_t version) {
     } else if (type == "alignment") {
       take_alignment(line, version);
     } else if (type == "peer") {
-      const std::string key = "peer/" + line.at("name").get<std::string>();
+      const std::string name = line.at("name").get<std::string>();
+      if (name.empty()) return true;  // heard, but it has not told its name yet
+      const std::string key = "peer/" + name;
       set(key, line, version);
       seconds_[key] = second_;
     } else if (type == "landmarks") {
@@ -221,6 +223,30 @@ std::vector<RobotState::Row> RobotState::landmarks(int owner) const {
     if (!mark.gone) rows.push_back(mark.row);
   }
   return rows;
+}
+
+std::vector<json> RobotState::as_lines() const {
+  std::vector<json> lines;
+  const auto add = [&](const std::string& key) {
+    if (lines_.count(key) != 0) lines.push_back(lines_.at(key));
+  };
+  add("hello");
+  for (std::size_t i = 0; i < path_.size(); ++i) {
+    lines.push_back({{"type", "pose"}, {"pose", path_[i]}});
+  }
+  add("health");  // begins the lines of a second
+  for (const auto& [key, line] : lines_) {
+    if (key != "hello" && key != "health" && key != "link") lines.push_back(line);
+  }
+  for (const auto& [owner, marks] : marks_) {
+    json rows = json::array();
+    for (const Row& row : landmarks(owner)) {
+      for (const double number : row) rows.push_back(number);
+    }
+    lines.push_back(
+        {{"type", "landmarks"}, {"peer", owner}, {"rows", rows}, {"gone", json::array()}});
+  }
+  return lines;
 }
 
 json RobotState::changes(std::uint64_t version) const {

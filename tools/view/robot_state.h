@@ -49,6 +49,8 @@ class RobotState {
   // The last line of this type ("pose"), of a peer ("alignment/bert", "peer/bert"); null: none.
   const nlohmann::json& line(const std::string& key) const;
   const std::map<std::string, nlohmann::json>& lines() const { return lines_; }
+  // Lines that make another one what this one is, but for its curves.
+  std::vector<nlohmann::json> as_lines() const;
   // The landmarks of an owner that are there now.
   std::vector<Row> landmarks(int owner) const;
   const Series<3>& path() const { return path_; }

@@ -30,6 +30,12 @@ void note_mark(Timeline& timeline, const Timeline::Entry& entry,
 
 }  // namespace
 
+void find_marks(Timeline& timeline) {
+  timeline.marks.clear();
+  std::map<std::string, std::string> states;
+  for (const Timeline::Entry& entry : timeline.entries) note_mark(timeline, entry, states);
+}
+
 Result<Timeline> read_timeline(const std::filesystem::path& file) {
   std::ifstream in(file);
   if (!in) {
@@ -37,7 +43,6 @@ Result<Timeline> read_timeline(const std::filesystem::path& file) {
                  ": missing; expected the output folder of `zenith replay` or `zenith demo`"};
   }
   Timeline timeline;
-  std::map<std::string, std::string> states;
   std::string text;
   for (std::size_t number = 1; std::getline(in, text); ++number) {
     json line = json::parse(text, nullptr, false);
@@ -54,7 +59,6 @@ Result<Timeline> read_timeline(const std::filesystem::path& file) {
       if (!timeline.entries.empty() && entry.t_s < timeline.entries.back().t_s) {
         return wrong(file, number, "rising times");
       }
-      note_mark(timeline, entry, states);
       timeline.entries.push_back(std::move(entry));
     } catch (const json::exception&) {
       return wrong(file, number, "the keys t_s, robot and line");
@@ -62,6 +66,7 @@ Result<Timeline> read_timeline(const std::filesystem::path& file) {
   }
   if (timeline.robots.empty()) return wrong(file, 1, "a line that names the robots");
   if (!timeline.entries.empty()) timeline.duration_s = timeline.entries.back().t_s;
+  find_marks(timeline);
   return timeline;
 }
 

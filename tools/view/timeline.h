@@ -37,6 +37,9 @@ struct Timeline {
   double duration_s = 0.0;
 };
 
+// Its merges and withdrawals, from the entries.
+void find_marks(Timeline& timeline);
+
 Result<Timeline> read_timeline(const std::filesystem::path& file);
 
 }  // namespace zenith::tools

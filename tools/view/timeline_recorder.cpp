@@ -2,8 +2,8 @@
 
 #include <fstream>
 
-#include "platform/base/base64.h"
 #include "platform/linux/clock.h"
+#include "tools/view/kept_lines.h"
 #include "tools/view/robot_state.h"
 #include "tools/view/timeline.h"
 
@@ -16,14 +16,12 @@ constexpr Duration kTurn = {50'000'000};
 constexpr Duration kPictureEvery = {500'000'000};
 constexpr Duration kAskEvery = {1'000'000'000};
 
-// One robot: its lines as they come, but for pictures, which are compressed first.
 struct Recorded {
   std::size_t number;
   TelemetryLink link;
   RobotState state;
   std::uint64_t version = 0;
-  std::uint64_t picture = 0;  // the serial of the last one written
-  Time next_picture = {};
+  KeptLines kept{kPictureEvery};
 };
 
 class Writer {
@@ -49,17 +47,8 @@ class Writer {
 void take(Recorded& robot, std::string_view text, Time now, Writer& writer) {
   const json line = json::parse(text, nullptr, false);
   if (!line.is_object() || !robot.state.apply(line, ++robot.version)) return;
-  const std::string type = line["type"];
-  if (type != "picture" && type != "strip") return writer.put(robot.number, now, text);
-  const auto& picture = robot.state.picture();
-  if (!picture || picture->serial == robot.picture || now < robot.next_picture) return;
-  robot.picture = picture->serial;
-  robot.next_picture = now + kPictureEvery;
-  json whole = picture->told;
-  std::string jpeg(base64_size(picture->jpeg.size()), ' ');
-  write_base64(picture->jpeg, jpeg.data());
-  whole["jpeg"] = std::move(jpeg);
-  writer.put(robot.number, now, whole.dump());
+  const std::string kept = robot.kept.take(robot.state, line, text, now);
+  if (!kept.empty()) writer.put(robot.number, now, kept);
 }
 
 }  // namespace

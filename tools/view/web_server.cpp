@@ -75,11 +75,10 @@ bool is_this_computer(const std::string& host) {
 
 }  // namespace
 
-WebServer::WebServer(const WebOptions& options, FleetState& state,
-                     std::function<void(const json&)> control)
+WebServer::WebServer(const WebOptions& options, FleetState& state, Answer answer)
     : options_(options),
       state_(state),
-      control_(std::move(control)),
+      answer_(std::move(answer)),
       foxglove_(std::make_unique<FoxgloveServer>(state)) {}
 
 WebServer::~WebServer() {
@@ -88,8 +87,8 @@ WebServer::~WebServer() {
 }
 
 Result<std::unique_ptr<WebServer>> WebServer::start(const WebOptions& options, FleetState& state,
-                                                    std::function<void(const json&)> control) {
-  std::unique_ptr<WebServer> server(new WebServer(options, state, std::move(control)));
+                                                    Answer answer) {
+  std::unique_ptr<WebServer> server(new WebServer(options, state, std::move(answer)));
   const std::string port = options.bind + ":" + std::to_string(options.port);
   // A page and Foxglove each keep a thread.
   const char* settings[] = {"listening_ports",
@@ -176,16 +175,15 @@ int WebServer::on_data(mg_connection* connection, int bits, char* data, std::siz
   const int opcode = bits & 0xf;
   if (opcode == MG_WEBSOCKET_OPCODE_CONNECTION_CLOSE) return 0;
   if (opcode != MG_WEBSOCKET_OPCODE_TEXT) return 1;
-  return static_cast<WebServer*>(self)->answer(connection, std::string(data, size)) ? 1 : 0;
+  return static_cast<WebServer*>(self)->reply(connection, std::string(data, size)) ? 1 : 0;
 }
 
-bool WebServer::answer(mg_connection* connection, const std::string& request) {
+bool WebServer::reply(mg_connection* connection, const std::string& request) const {
   const json asked = json::parse(request, nullptr, false);
   if (!asked.is_object()) return false;
   std::string text;
   try {
-    if (asked.contains("control") && control_) control_(asked["control"]);
-    text = state_.answer(asked).dump(-1, ' ', false, json::error_handler_t::replace);
+    text = answer_(asked).dump(-1, ' ', false, json::error_handler_t::replace);
   } catch (const json::exception&) {
     return false;  // a key has another type
   }

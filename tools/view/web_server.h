@@ -35,10 +35,12 @@ struct WebOptions {
 
 class WebServer {
  public:
-  // `state` must outlive it. `control` gets what a page asks of a replay, in any thread.
-  static Result<std::unique_ptr<WebServer>> start(
-      const WebOptions& options, FleetState& state,
-      std::function<void(const nlohmann::json&)> control);
+  // What a page that says `request` gets (docs/view.md); called in any thread.
+  using Answer = std::function<nlohmann::json(const nlohmann::json& request)>;
+
+  // `state` must outlive it: metrics and Foxglove's protocol are made of it.
+  static Result<std::unique_ptr<WebServer>> start(const WebOptions& options, FleetState& state,
+                                                  Answer answer);
   ~WebServer();
   WebServer(const WebServer&) = delete;
   WebServer& operator=(const WebServer&) = delete;
@@ -46,11 +48,10 @@ class WebServer {
   int port() const { return port_; }
 
  private:
-  WebServer(const WebOptions& options, FleetState& state,
-            std::function<void(const nlohmann::json&)> control);
+  WebServer(const WebOptions& options, FleetState& state, Answer answer);
   bool welcome(const mg_connection* connection) const;
   int serve(mg_connection* connection) const;
-  bool answer(mg_connection* connection, const std::string& request);
+  bool reply(mg_connection* connection, const std::string& request) const;
 
   static int on_request(mg_connection* connection, void* self);
   static int on_connect(const mg_connection* connection, void* self);
@@ -58,7 +59,7 @@ class WebServer {
 
   WebOptions options_;
   FleetState& state_;
-  std::function<void(const nlohmann::json&)> control_;
+  Answer answer_;
   std::unique_ptr<FoxgloveServer> foxglove_;
   mg_context* context_ = nullptr;
   int port_ = 0;

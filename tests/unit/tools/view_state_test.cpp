@@ -146,6 +146,12 @@ TEST_F(ViewState, ForgetsAPeersMap) {
   EXPECT_EQ(news()["maps"]["2"], json({{"clear", true}}));
 }
 
+TEST_F(ViewState, WaitsForAPeersName) {
+  apply(hello("anna", 1));
+  apply({{"type", "peer"}, {"name", ""}, {"peer", -1}});
+  EXPECT_FALSE(news()["robots"][0]["set"].contains("peer/"));
+}
+
 TEST_F(ViewState, PassesOverWhatItDoesNotKnow) {
   apply(hello("anna", 1));
   news();

@@ -19,6 +19,8 @@ let chosenName = null;
 let socket = null;
 let asked_at = 0, answered_at = 0;
 let control = null;          // for the next request
+let past = false;            // of live robots: what was, not what is
+let asked_past = false;
 let sliding = false;
 let dirty = true;
 
@@ -51,6 +53,7 @@ function connect() {
   socket.onmessage = event => {
     answered_at = performance.now();
     fleet.take(JSON.parse(event.data));
+    if (asked_past && fleet.clock?.live) past = false;  // it has begun anew and knows no past
     dirty = true;
     setTimeout(ask, Math.max(0, kAskEvery_ms - (performance.now() - asked_at)));
   };
@@ -61,7 +64,10 @@ function ask() {
   if (socket?.readyState !== WebSocket.OPEN) return;
   if (document.hidden) { setTimeout(ask, 500); return; }
   const robot = fleet.robots[chosen];
+  if (past !== asked_past) fleet.epoch = 0;
+  asked_past = past;
   const request = {epoch: fleet.epoch, seen: fleet.seen};
+  if (past) request.past = true;
   if ($('look').checked) {
     request.picture = chosen;
     request.picture_seen = robot?.picture?.serial ?? 0;
@@ -111,7 +117,9 @@ function showConnection() {
   if (!open) {
     lost = true;
     text = 'connection lost: is zenith view still running?';
-  } else if (fleet.clock) {
+  } else if (past) {
+    text = 'past';
+  } else if (fleet.clock && !fleet.clock.live) {
     text = 'replay';
   } else if (robot && !robot.up) {
     lost = true;
@@ -133,8 +141,10 @@ function clockText(seconds) {
 
 function showPlayer() {
   const clock = fleet.clock;
-  $('player').hidden = !clock;
+  $('player').hidden = !clock || clock.duration_s <= 0;
   if (!clock) return;
+  $('play').hidden = $('speed').hidden = Boolean(clock.live);
+  $('to-live').hidden = !past;
   const slider = $('slider');
   slider.max = clock.duration_s;
   if (!sliding) slider.value = clock.position_s;
@@ -211,7 +221,15 @@ $('save-png').onclick = async () => save(await map.png(), 'zenith-map.png');
 $('save-svg').onclick = () => save(new Blob([map.svg()], {type: 'image/svg+xml'}), 'zenith-map.svg');
 $('play').onclick = () => { control = {play: !fleet.clock?.playing}; };
 $('speed').onchange = e => { control = {speed: Number(e.target.value)}; };
-$('slider').oninput = e => { sliding = true; control = {seek: Number(e.target.value), play: false}; };
+$('slider').oninput = e => {
+  sliding = true;
+  const to_s = Number(e.target.value);
+  // A request that was not sent yet has to take along that it begins.
+  const begins = fleet.clock?.live || control?.look_back !== undefined;
+  control = begins ? {look_back: to_s} : {seek: to_s, play: false};
+  if (begins) past = true;
+};
+$('to-live').onclick = () => { past = false; control = null; };
 $('slider').onchange = () => { sliding = false; };
 $('robots').onkeydown = e => {
   const step = {ArrowRight: 1, ArrowLeft: -1}[e.key];
@@ -224,7 +242,8 @@ document.addEventListener('keydown', e => {
   if (e.target.matches('input, select, textarea, summary') || e.ctrlKey || e.metaKey || e.altKey) return;
   if (e.key === '0') $('fit').click();
   else if (e.key === 'f') $('follow').click();
-  else if (e.key === ' ' && fleet.clock && !e.target.matches('button')) $('play').click();
+  else if (e.key === 'l' && past) $('to-live').click();
+  else if (e.key === ' ' && fleet.clock && !fleet.clock.live && !e.target.matches('button')) $('play').click();
   else return;
   e.preventDefault();
 });

@@ -101,7 +101,7 @@ export function layersSeenBy(fleet, viewer) {
   for (const peer of viewer.peers()) {
     const itself = fleet.byName(peer.name);
     const merged = peer.alignment?.state === 'merged';
-    const told = viewer.maps.get(peer.slot);
+    const told = peer.slot >= 0 ? viewer.maps.get(peer.slot) : undefined;
     const map = told?.size || !itself ? told : itself.maps.get(-1);
     if (!map?.size && !itself && !peer.alignment) continue;  // it has no map: an observer
     layers.push({name: peer.name, own: false, placed: merged,
