@@ -1,12 +1,14 @@
 // zenith demo: simulated robots, their maps merged, a picture. For whoever has no robot. As real
 // daemons that talk over the network, or (--offline) recorded and mapped in this program.
 
+#include <atomic>
 #include <cstdio>
 #include <fstream>
 #include <memory>
 #include <numbers>
 #include <sstream>
 #include <string>
+#include <thread>
 
 #include "tools/atomic_output.h"
 #include "tools/commands.h"
@@ -16,6 +18,7 @@
 #include "tools/report/figures_text.h"
 #include "tools/report/map_picture.h"
 #include "tools/simulate.h"
+#include "tools/view/pages.h"
 
 namespace zenith::tools {
 namespace {
@@ -32,6 +35,7 @@ parameters on.
 
 Examples:
   zenith demo
+  zenith demo --view
   zenith demo --offline
   zenith demo --out /tmp/demo --seed 3
   zenith demo --world loop)";
@@ -42,6 +46,37 @@ struct DemoCommand {
   std::uint64_t seed = 1;
   double duration_s = 0.0;
   bool offline = false;
+  bool view = false;
+  WebOptions web;
+};
+
+constexpr Duration kSlice = {50'000'000};
+
+// The page of robots that run, turned by a thread of its own.
+class PageThread {
+ public:
+  PageThread() = default;
+  ~PageThread() {
+    stop_ = true;
+    if (thread_.joinable()) thread_.join();
+  }
+  PageThread(const PageThread&) = delete;
+  PageThread& operator=(const PageThread&) = delete;
+
+  Status start(const WebOptions& options, const std::vector<RobotAddress>& robots) {
+    auto page = LivePage::start(options, robots);
+    if (!page.ok()) return page.error();
+    page_ = std::move(*page);
+    thread_ = std::thread([this] {
+      while (!stop_) page_->turn(kSlice, -1);
+    });
+    return {};
+  }
+
+ private:
+  std::unique_ptr<LivePage> page_;
+  std::atomic<bool> stop_ = false;
+  std::thread thread_;
 };
 
 Result<ReplayResult> simulate_and_map(const DemoCommand& command,
@@ -132,7 +167,15 @@ int run_live(const DemoCommand& command) {
   if (!output.ok()) return fail(output.error());
   std::printf("1. Robots start as daemons in '%s', each in a map of its own ...\n",
               command.world.c_str());
-  auto log = run_fleet_demo({command.world, command.seed, command.duration_s}, output->path());
+  Signals signals;
+  PageThread page;
+  FleetDemo demo = {command.world, command.seed, command.duration_s};
+  if (command.view) {
+    if (const Status opened = signals.open(); !opened) return fail(opened.error());
+    demo.on_start = [&](const auto& robots) { return page.start(command.web, robots); };
+    demo.stopped = [&] { return signals.wait({0}) == SignalRequest::kStop; };
+  }
+  auto log = run_fleet_demo(demo, output->path());
   if (!log.ok()) {
     std::printf("%s", daemon_logs(output->path()).c_str());
     return fail(log.error());
@@ -162,6 +205,13 @@ int run_live(const DemoCommand& command) {
               file((log->robots[0].name + ".log").c_str()).c_str());
   std::printf("   %-36s its configuration\n",
               file((log->robots[0].name + ".toml").c_str()).c_str());
+  if (command.view) {
+    std::printf(
+        "The robots have ended; the page still shows them, and looks back. Ctrl-C ends it.\n");
+    std::fflush(stdout);
+    while (signals.wait(kSlice) != SignalRequest::kStop) {
+    }
+  }
   return 0;
 }
 
@@ -175,7 +225,13 @@ int run_demo(const DemoCommand& command) {
   if (const Status placed = output->commit(); !placed) return fail(placed.error());
   warn(result->warnings);
   print_result(command.out, result->figures);
-  return 0;
+  if (!command.view) return 0;
+  auto timeline = read_timeline(std::filesystem::path(command.out) / kTimelineFile);
+  if (!timeline.ok()) return fail(timeline.error());
+  Signals signals;
+  if (const Status opened = signals.open(); !opened) return fail(opened.error());
+  const Status served = serve_replay(command.web, std::move(*timeline), signals);
+  return served ? 0 : fail(served.error());
 }
 
 }  // namespace
@@ -193,6 +249,11 @@ void add_demo_command(CLI::App& app, int& exit_code) {
       ->check(CLI::NonNegativeNumber);
   demo->add_flag("--offline", command->offline,
                  "no daemons and no network: record, then map the recordings");
+  demo->add_flag("--view", command->view,
+                 "show it in a browser meanwhile, and until Ctrl-C (offline: afterwards)");
+  demo->add_option("--port", command->web.port, "where the page of --view is; 0: any that is free")
+      ->check(CLI::Range(0, 65535))
+      ->capture_default_str();
   demo->callback([command, &exit_code] { exit_code = run_demo(*command); });
 }
 

@@ -1,21 +1,16 @@
 // zenith view: what robots see and think, in a browser.
 
-#include <cstdio>
 #include <memory>
 #include <string>
 #include <vector>
 
-#include "platform/linux/clock.h"
 #include "platform/linux/signals.h"
 #include "platform/recording/layout.h"
 #include "tools/commands.h"
 #include "tools/progress.h"
 #include "tools/replay.h"
 #include "tools/scratch_folder.h"
-#include "tools/view/live.h"
-#include "tools/view/look_back.h"
-#include "tools/view/player.h"
-#include "tools/view/web_server.h"
+#include "tools/view/pages.h"
 
 namespace zenith::tools {
 namespace {
@@ -57,48 +52,15 @@ Result<Timeline> map_recordings(const std::vector<std::string>& recordings) {
   return read_timeline(folder.path() / kTimelineFile);
 }
 
-void print_address(const ViewCommand& command, int port) {
-  const std::string& bind = command.web.bind;
-  const std::string host = bind == "0.0.0.0" ? "localhost" : bind;
-  std::printf("Open http://%s:%d in a browser.   Foxglove: ws://%s:%d   Ctrl-C ends.\n",
-              host.c_str(), port, host.c_str(), port);
-  std::fflush(stdout);
-}
-
 int play(const ViewCommand& command, Timeline timeline, Signals& signals) {
-  FleetState state;
-  Player player(state, std::move(timeline));
-  const auto server = WebServer::start(command.web, state, [&](const nlohmann::json& request) {
-    if (request.contains("control")) player.control(request["control"]);
-    return state.answer(request);
-  });
-  if (!server.ok()) return fail(server.error());
-  print_address(command, (*server)->port());
-  Time before = monotonic_now();
-  while (signals.wait(kSlice) != SignalRequest::kStop) {
-    const Time now = monotonic_now();
-    player.play(now - before);
-    before = now;
-  }
-  return 0;
+  const Status served = serve_replay(command.web, std::move(timeline), signals);
+  return served ? 0 : fail(served.error());
 }
 
 int listen(const ViewCommand& command, std::vector<RobotAddress> robots, Signals& signals) {
-  FleetState state;
-  History history;
-  Live live(state, std::move(robots), &history);
-  LookBack look_back(state, history);
-  const auto server = WebServer::start(
-      command.web, state, [&](const nlohmann::json& request) { return look_back.answer(request); });
-  if (!server.ok()) return fail(server.error());
-  print_address(command, (*server)->port());
-  Time before = monotonic_now();
-  while (signals.wait({0}) != SignalRequest::kStop) {
-    live.turn(kSlice, signals.fd());
-    const Time now = monotonic_now();
-    look_back.turn(now - before);
-    before = now;
-  }
+  const auto page = LivePage::start(command.web, std::move(robots));
+  if (!page.ok()) return fail(page.error());
+  while (signals.wait({0}) != SignalRequest::kStop) (*page)->turn(kSlice, signals.fd());
   return 0;
 }
 

@@ -16,9 +16,16 @@ class ViewServer {
   explicit ViewServer(const std::filesystem::path& folder) : base_((folder / "view").string()) {}
 
   // `zenith view WORDS...` at any free port; false when it does not come up.
-  bool start(std::vector<std::string> words, double limit_s) {
-    words.insert(words.begin(), {ZENITH_TOOL, "view", "--port", "0"});
-    process_ = std::make_unique<Process>(words, base_ + ".out", base_ + ".log");
+  bool start(std::vector<std::string> words, double limit_s,
+             const std::vector<Environment>& environment = {}) {
+    words.insert(words.begin(), {"view", "--port", "0"});
+    return run(words, limit_s, environment);
+  }
+  // Another command of zenith that shows a page.
+  bool run(std::vector<std::string> words, double limit_s,
+           const std::vector<Environment>& environment = {}) {
+    words.insert(words.begin(), ZENITH_TOOL);
+    process_ = std::make_unique<Process>(words, base_ + ".out", base_ + ".log", environment);
     return wait_until(limit_s, [&] {
       std::smatch match;
       const std::string said = tools::read_text(base_ + ".out");
@@ -33,11 +40,14 @@ class ViewServer {
   // The exit code, when it is asked to end.
   int stop() {
     process_->send(SIGINT);
-    return process_->wait(30.0);
+    return wait(30.0);
   }
+
+  int wait(double limit_s) { return process_->wait(limit_s); }
 
   const std::string& address() const { return address_; }
   int port() const { return port_; }
+  std::string said() const { return tools::read_text(base_ + ".out"); }
   std::string log() const { return tools::read_text(base_ + ".log"); }
 
  private:

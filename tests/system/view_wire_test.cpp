@@ -1,15 +1,12 @@
 // What `zenith view`, `zenith telemetry` and `zenith metrics` say to other programs, over real
 // sockets: HTTP, Foxglove's WebSocket, lines, files.
 
-#include <arpa/inet.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
 
 #include <nlohmann/json.hpp>
 
-#include "platform/linux/unique_fd.h"
+#include "tests/system/page_client.h"
 #include "tests/system/sim_daemon.h"
 #include "tests/system/view_server.h"
 
@@ -67,89 +64,6 @@ using testing::HasSubstr;
 
 constexpr double kLimit_s = 120.0;
 
-// A client as small as can be.
-class Client {
- public:
-  explicit Client(int port) : fd_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
-    sockaddr_in address = {};
-    address.sin_family = AF_INET;
-    address.sin_port = htons(static_cast<std::uint16_t>(port));
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    const timeval patience = {30, 0};
-    ::setsockopt(fd_.get(), SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
-    (void)::connect(fd_.get(), reinterpret_cast<sockaddr*>(&address), sizeof address);
-  }
-
-  void send(const std::string& bytes) {
-    (void)::send(fd_.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL);
-  }
-  // The head of the answer; what follows stays.
-  std::string head() {
-    std::string text;
-    while (text.find("\r\n\r\n") == std::string::npos && more(1)) text += take(1);
-    return text;
-  }
-  std::string rest() {
-    while (more(rest_.size() + 1)) {
-    }
-    return std::move(rest_);
-  }
-
-  // --- WebSocket
-  std::string upgrade(const std::string& path, const std::string& more_headers) {
-    send("GET " + path +
-         " HTTP/1.1\r\nHost: 127.0.0.1\r\nUpgrade: websocket\r\nConnection: "
-         "Upgrade\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: "
-         "dGhlIHNhbXBsZSBub25jZQ==\r\n" +
-         more_headers + "\r\n");
-    return head();
-  }
-  // Masked, as clients must, with zeros.
-  void say(const json& message) {
-    const std::string text = message.dump();
-    std::string frame = {'\x81', static_cast<char>(0x80 | 126), static_cast<char>(text.size() >> 8),
-                         static_cast<char>(text.size() & 0xff)};
-    send(frame + std::string(4, '\0') + text);
-  }
-  struct Message {
-    int opcode = 0;
-    std::string bytes;
-  };
-  // Opcode 0: none came.
-  Message hear() {
-    if (!more(2)) return {};
-    const std::string first = take(2);
-    std::size_t size = first[1] & 0x7f;
-    const std::size_t length = size == 126 ? 2 : size == 127 ? 8 : 0;
-    if (length > 0) {
-      if (!more(length)) return {};
-      size = 0;
-      for (const char c : take(length)) size = size << 8 | static_cast<unsigned char>(c);
-    }
-    if (!more(size)) return {};
-    return {first[0] & 0xf, take(size)};
-  }
-
- private:
-  bool more(std::size_t size) {
-    std::array<char, 65536> part;
-    while (rest_.size() < size) {
-      const ssize_t got = ::recv(fd_.get(), part.data(), part.size(), 0);
-      if (got <= 0) return false;
-      rest_.append(part.data(), static_cast<std::size_t>(got));
-    }
-    return true;
-  }
-  std::string take(std::size_t size) {
-    std::string piece = rest_.substr(0, size);
-    rest_.erase(0, size);
-    return piece;
-  }
-
-  UniqueFd fd_;
-  std::string rest_;
-};
-
 class ViewWireTest : public testing::Test {
  protected:
   void SetUp() override {
@@ -158,13 +72,13 @@ class ViewWireTest : public testing::Test {
     ASSERT_TRUE(view_.start({(folder_.path() / "out").string()}, kLimit_s)) << view_.log();
   }
   std::string get(const std::string& path, const std::string& headers) {
-    Client client(view_.port());
+    PageClient client(view_.port());
     client.send("GET " + path + " HTTP/1.1\r\n" + headers + "Connection: close\r\n\r\n");
     return client.rest();
   }
   // As the page's slider does.
   void view_control(const json& control) {
-    Client page(view_.port());
+    PageClient page(view_.port());
     ASSERT_THAT(page.upgrade("/live", ""), HasSubstr("101"));
     page.say({{"control", control}});
     EXPECT_TRUE(json::parse(page.hear().bytes)["reset"].get<bool>());
@@ -192,7 +106,7 @@ TEST_F(ViewWireTest, AnswersNoPageOfAnotherSite) {
   EXPECT_THAT(get("/metrics", "Host: localhost\r\nOrigin: https://evil.example\r\n"),
               testing::StartsWith("HTTP/1.1 403"));
   for (const char* path : {"/", "/live"}) {
-    EXPECT_THAT(Client(view_.port()).upgrade(path, "Origin: https://evil.example\r\n"),
+    EXPECT_THAT(PageClient(view_.port()).upgrade(path, "Origin: https://evil.example\r\n"),
                 testing::Not(HasSubstr("101")))
         << path;
   }
@@ -200,7 +114,7 @@ TEST_F(ViewWireTest, AnswersNoPageOfAnotherSite) {
 
 TEST_F(ViewWireTest, SpeaksFoxglovesProtocol) {
   for (const char* protocol : {"foxglove.websocket.v1", "foxglove.sdk.v1"}) {
-    Client client(view_.port());
+    PageClient client(view_.port());
     const std::string head =
         client.upgrade("/", std::string("Sec-WebSocket-Protocol: ") + protocol + "\r\n");
     ASSERT_THAT(head, HasSubstr("101 Switching Protocols"));
@@ -219,7 +133,7 @@ TEST_F(ViewWireTest, SpeaksFoxglovesProtocol) {
     bool scene = false;
     std::set<std::string> frames;
     for (int i = 0; i < 50 && !(scene && frames.size() >= 4); ++i) {
-      const Client::Message message = client.hear();
+      const PageClient::Message message = client.hear();
       ASSERT_EQ(message.opcode, 2);
       ASSERT_EQ(message.bytes[0], 1);
       const json data = json::parse(message.bytes.substr(13));

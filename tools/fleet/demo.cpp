@@ -149,6 +149,7 @@ Status watch(const FleetDemo& demo, FleetObserver& observer, std::vector<Watched
   Time next_line = started;
   while (true) {
     observer.run_for({500'000'000});
+    if (demo.stopped && demo.stopped()) return Error{"ended before the robots had arrived"};
     const Time now = monotonic_now();
     for (ObservedRobot& seen : observer.robots()) {
       for (Watched& robot : robots) {
@@ -261,6 +262,9 @@ Result<TeamLog> run_fleet_demo(const FleetDemo& demo, const fs::path& folder) {
     if (!daemon.ok()) return daemon.error();
     robots.push_back({std::move(*daemon), {}, 0.0, monotonic_now(), {}, {}});
     robots.back().log.name = name;
+  }
+  if (demo.on_start) {
+    if (const Status started = demo.on_start(addresses); !started) return started.error();
   }
   TimelineRecorder timeline(folder / kTimelineFile, names, addresses);
   if (const Status watched = watch(demo, observer, robots); !watched) return watched.error();

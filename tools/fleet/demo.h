@@ -4,10 +4,13 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
+#include <vector>
 
 #include "platform/base/result.h"
 #include "tools/runner/run_log.h"
+#include "tools/view/telemetry_link.h"
 
 namespace zenith::tools {
 
@@ -15,6 +18,10 @@ struct FleetDemo {
   std::string world;
   std::uint64_t seed = 1;
   double duration_s = 0.0;  // at most; 0: until all robots have driven their ways
+  // Called when all daemons run, with their telemetry sockets.
+  std::function<Status(const std::vector<RobotAddress>&)> on_start = {};
+  // Asked twice a second: whether to give up.
+  std::function<bool()> stopped = {};
 };
 
 // Where zenithd-sim is: $ZENITHD_SIM, beside this program, or where the build puts it.

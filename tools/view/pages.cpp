@@ -1,0 +1,68 @@
+#include "tools/view/pages.h"
+
+#include <cstdio>
+#include <string>
+#include <utility>
+
+#include "platform/linux/clock.h"
+#include "tools/view/player.h"
+
+namespace zenith::tools {
+namespace {
+
+using nlohmann::json;
+
+constexpr Duration kSlice = {50'000'000};
+
+}  // namespace
+
+void print_address(const WebOptions& options, int port) {
+  const std::string host = options.bind == "0.0.0.0" ? "localhost" : options.bind;
+  std::printf("Open http://%s:%d in a browser.   Foxglove: ws://%s:%d   Ctrl-C ends.\n",
+              host.c_str(), port, host.c_str(), port);
+  std::fflush(stdout);
+}
+
+LivePage::LivePage(std::vector<RobotAddress> robots)
+    : live_(state_, std::move(robots), &history_),
+      look_back_(state_, history_),
+      before_(monotonic_now()) {}
+
+Result<std::unique_ptr<LivePage>> LivePage::start(const WebOptions& options,
+                                                  std::vector<RobotAddress> robots) {
+  std::unique_ptr<LivePage> page(new LivePage(std::move(robots)));
+  auto server = WebServer::start(options, page->state_, [raw = page.get()](const json& request) {
+    return raw->look_back_.answer(request);
+  });
+  if (!server.ok()) return server.error();
+  page->server_ = std::move(*server);
+  print_address(options, page->server_->port());
+  return page;
+}
+
+void LivePage::turn(Duration wait, int wake_fd) {
+  live_.turn(wait, wake_fd);
+  const Time now = monotonic_now();
+  look_back_.turn(now - before_);
+  before_ = now;
+}
+
+Status serve_replay(const WebOptions& options, Timeline timeline, Signals& signals) {
+  FleetState state;
+  Player player(state, std::move(timeline));
+  const auto server = WebServer::start(options, state, [&](const json& request) {
+    if (request.contains("control")) player.control(request["control"]);
+    return state.answer(request);
+  });
+  if (!server.ok()) return server.error();
+  print_address(options, (*server)->port());
+  Time before = monotonic_now();
+  while (signals.wait(kSlice) != SignalRequest::kStop) {
+    const Time now = monotonic_now();
+    player.play(now - before);
+    before = now;
+  }
+  return {};
+}
+
+}  // namespace zenith::tools
