@@ -3,52 +3,74 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "slam/fleet/fusion.h"
-#include "slam/image/ncc.h"
+#include "slam/map/same_landmark.h"
 
 namespace zenith {
 namespace {
 
-// As when maps are joined (map_import.h, duplicates.cpp): alike and near, or so near that a
-// detector would not have kept two corners apart.
-constexpr double kAlike_m = 0.15;
-constexpr double kOneCorner_m = 0.05;
-constexpr double kHeightsAlike_m = 0.3;
-constexpr double kMaxTurn_rad = 0.5;
-constexpr float kAlikeNcc = 0.6F;
-
-using Used = std::array<bool, kMaxLandmarks>;
-
-float similarity(const LandmarkRecord& a, const LandmarkRecord& b) {
-  float best = 0.0F;
-  for (std::size_t i = 0; i < a.appearance_count; ++i) {
-    const CompactPatch look = compact_from(a.appearances[i].descriptor);
-    for (std::size_t k = 0; k < b.appearance_count; ++k) {
-      const AppearanceRecord& other = b.appearances[k];
-      const double turn = static_cast<double>(a.appearances[i].direction_rad - other.direction_rad);
-      if (std::abs(wrap_angle(turn)) > kMaxTurn_rad) continue;
-      best = std::max(best, ncc(look, compact_from(other.descriptor)));
-    }
-  }
-  return best;
+Eigen::Matrix2d flat_covariance(const LandmarkRecord& r) {
+  const auto& c = r.covariance_m2;
+  return (Eigen::Matrix2d() << c[0], c[1], c[1], c[3]).finished();
 }
 
-// The past landmark that `own`, moved into the past frame, is; -1 when it is a new one.
-int find_twin(std::span<const LandmarkRecord> past, const Used& used, const LandmarkRecord& own) {
-  int twin = -1;
-  double best = kAlike_m;
-  for (std::size_t i = 0; i < past.size(); ++i) {
-    const double dx = static_cast<double>(past[i].x_m - own.x_m);
-    if (std::abs(dx) > best || used[i]) continue;
-    const double distance = std::hypot(dx, static_cast<double>(past[i].y_m - own.y_m));
-    const double dz = std::abs(static_cast<double>(past[i].z_m - own.z_m));
-    if (distance > best || dz > kHeightsAlike_m) continue;
-    if (distance > kOneCorner_m && similarity(past[i], own) < kAlikeNcc) continue;
-    best = distance;
-    twin = static_cast<int>(i);
+// The past landmarks that have no twin yet, in rising x: few need to be looked at for each own one.
+class ByPlace {
+ public:
+  explicit ByPlace(std::span<const LandmarkRecord> past) : past_(past) {
+    for (std::size_t i = 0; i < past.size(); ++i) {
+      order_[i] = {past[i].x_m, static_cast<std::int32_t>(i)};
+    }
+    std::sort(order_.begin(), end());
   }
-  return twin;
+
+  int find_twin(const LandmarkRecord& own);
+  void take(int i) { taken_[static_cast<std::size_t>(i)] = true; }
+  bool is_taken(std::size_t i) const { return taken_[i]; }
+
+ private:
+  using Entry = std::pair<float, std::int32_t>;
+  std::array<Entry, kMaxLandmarks>::iterator end() {
+    return order_.begin() + static_cast<std::ptrdiff_t>(past_.size());
+  }
+
+  std::span<const LandmarkRecord> past_;
+  std::array<Entry, kMaxLandmarks> order_;
+  std::array<bool, kMaxLandmarks> taken_ = {};
+};
+
+// A record's looks, unpacked.
+struct Looks {
+  explicit Looks(const LandmarkRecord& r) {
+    for (std::size_t i = 0; i < r.appearance_count; ++i) {
+      patches[i] = compact_from(r.appearances[i].descriptor);
+      views.push_back({&patches[i], r.appearances[i].direction_rad});
+    }
+  }
+  Looks(const Looks&) = delete;
+  Looks& operator=(const Looks&) = delete;
+
+  std::array<CompactPatch, kPublishedAppearances> patches;
+  LookViews views;
+};
+
+// The past landmark that `own`, moved into the past frame, is; -1 when it is a new one.
+int ByPlace::find_twin(const LandmarkRecord& own) {
+  constexpr float kFarthest_m = 2.0F * static_cast<float>(kSameReach_m);
+  TwinSearch search({own.x_m, own.y_m, own.z_m}, flat_covariance(own));
+  const Looks looks(own);
+  auto entry = std::lower_bound(order_.begin(), end(), Entry{own.x_m - kFarthest_m, 0});
+  for (; entry != end() && entry->first <= own.x_m + kFarthest_m; ++entry) {
+    const LandmarkRecord& p = past_[static_cast<std::size_t>(entry->second)];
+    if (!search.is_near(p.x_m, p.y_m, p.z_m) || is_taken(static_cast<std::size_t>(entry->second))) {
+      continue;
+    }
+    search.offer(entry->second, {p.x_m, p.y_m, p.z_m}, flat_covariance(p),
+                 [&] { return best_similarity(looks.views.span(), Looks(p).views.span(), 0.0); });
+  }
+  return search.twin();
 }
 
 LandmarkEstimate moved(const LandmarkRecord& r, const Pose2& T, const Eigen::Matrix3d& covariance) {
@@ -90,7 +112,7 @@ std::size_t continue_map(std::span<const LandmarkRecord> past, std::span<const L
                          const Pose2& T_past_own, const Eigen::Matrix3d& T_covariance,
                          std::span<LandmarkRecord> out) {
   past = past.first(std::min(past.size(), std::size_t{kMaxLandmarks}));
-  Used used = {};
+  ByPlace by_place(past);
   std::uint32_t last_id = 0;
   for (const LandmarkRecord& p : past) last_id = std::max(last_id, p.id);
   std::size_t count = 0;
@@ -104,13 +126,13 @@ std::size_t continue_map(std::span<const LandmarkRecord> past, std::span<const L
       look.direction_rad = static_cast<float>(
           wrap_angle(static_cast<double>(look.direction_rad) + T_past_own.theta_rad));
     }
-    const int twin = find_twin(past, used, r);
+    const int twin = by_place.find_twin(r);
     if (twin < 0) {
       r.id = ++last_id;
       continue;
     }
     const LandmarkRecord& before = past[static_cast<std::size_t>(twin)];
-    used[static_cast<std::size_t>(twin)] = true;
+    by_place.take(twin);
     place(fuse(moved(before, {}, Eigen::Matrix3d::Zero()),
                {before.id, now.position_m, now.covariance_m2, now.observations}),
           r);
@@ -118,7 +140,7 @@ std::size_t continue_map(std::span<const LandmarkRecord> past, std::span<const L
     add_looks(before, r);
   }
   for (std::size_t i = 0; i < past.size() && count < out.size(); ++i) {
-    if (!used[i]) out[count++] = past[i];
+    if (!by_place.is_taken(i)) out[count++] = past[i];
   }
   return count;
 }

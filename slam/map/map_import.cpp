@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "slam/filter/landmark_fusion.h"
-#include "slam/image/ncc.h"
+#include "slam/map/same_landmark.h"
 
 namespace zenith {
 namespace {
@@ -24,21 +24,6 @@ void add_looks(Map& own, int own_slot, const Map& other, int slot, double turn_r
     if (own.best_ncc(own_slot, a.patch, direction, 4.0F) >= ncc_new) continue;
     own.add_appearance(own_slot, a.patch, a.compact, direction);
   }
-}
-
-float similarity(const Map& own, int own_slot, const Map& other, int slot, double turn_rad,
-                 double max_turn_rad) {
-  float best = -1.0F;
-  for (int i = own.info(own_slot).first_appearance; i >= 0; i = own.appearance(i).next) {
-    const Appearance& a = own.appearance(i);
-    for (int k = other.info(slot).first_appearance; k >= 0; k = other.appearance(k).next) {
-      const Appearance& b = other.appearance(k);
-      const double turn = static_cast<double>(a.direction_rad - b.direction_rad) - turn_rad;
-      if (std::abs(wrap_angle(turn)) > max_turn_rad) continue;
-      best = std::max(best, ncc(a.compact, b.compact));
-    }
-  }
-  return best;
 }
 
 Eigen::Vector3d moved(const Pose2& T, const LandmarkInfo& l) {
@@ -84,7 +69,7 @@ std::span<const SlotPair> MapImport::find_pairs(const Map& own, const Map& other
   const auto theirs = other.landmarks();
   for (std::size_t slot = 0; slot < theirs.size(); ++slot) {
     if (!promoted(theirs[slot]) || own_of_[slot] >= 0) continue;
-    const int twin = find_duplicate(own, other, static_cast<int>(slot), T_own_other, settings);
+    const int twin = find_twin(own, other, static_cast<int>(slot), T_own_other);
     if (twin >= 0) add(twin, static_cast<int>(slot));
   }
   std::size_t count = 0;
@@ -94,24 +79,22 @@ std::span<const SlotPair> MapImport::find_pairs(const Map& own, const Map& other
   return pairs_.first(count);
 }
 
-int MapImport::find_duplicate(const Map& own, const Map& other, int slot, const Pose2& T_own_other,
-                              const ImportSettings& settings) const {
-  const Eigen::Vector3d at = moved(T_own_other, other.info(slot));
+int MapImport::find_twin(const Map& own, const Map& other, int slot,
+                         const Pose2& T_own_other) const {
+  const LandmarkInfo& theirs = other.info(slot);
+  const LookViews looks = looks_of(other, theirs);
+  const Eigen::Matrix2d R = rotation(T_own_other.theta_rad);
+  TwinSearch search(moved(T_own_other, theirs),
+                    R * theirs.covariance().topLeftCorner<2, 2>() * R.transpose());
   const auto landmarks = own.landmarks();
-  int twin = -1;
-  float best = settings.ncc_duplicate;
   for (std::size_t k = 0; k < landmarks.size(); ++k) {
-    if (!promoted(landmarks[k]) || other_of_[k] >= 0) continue;
-    const Eigen::Vector3d d = landmarks[k].position_m() - at;
-    if (d.head<2>().squaredNorm() > settings.duplicate_m * settings.duplicate_m) continue;
-    if (std::abs(d.z()) > settings.duplicate_height_m) continue;
-    const float look = similarity(own, static_cast<int>(k), other, slot, T_own_other.theta_rad,
-                                  settings.duplicate_turn_rad);
-    if (look <= best) continue;
-    best = look;
-    twin = static_cast<int>(k);
+    const LandmarkInfo& o = landmarks[k];
+    if (!search.is_near(o.x_m, o.y_m, o.z_m) || !promoted(o) || other_of_[k] >= 0) continue;
+    search.offer(static_cast<int>(k), o.position_m(), o.covariance().topLeftCorner<2, 2>(), [&] {
+      return best_similarity(looks_of(own, o).span(), looks.span(), T_own_other.theta_rad);
+    });
   }
-  return twin;
+  return search.twin();
 }
 
 ImportCounters MapImport::run(Map& own, Map& other, std::span<const Pose2> T_own_other,

@@ -18,10 +18,6 @@ struct SlotPair {
 };
 
 struct ImportSettings {
-  float ncc_duplicate = 0.6F;
-  double duplicate_m = 0.10;
-  double duplicate_height_m = 0.2;
-  double duplicate_turn_rad = 0.5;
   double pair_m = 0.30;  // a pair that lies farther apart is none
   float ncc_new_appearance = 0.85F;
 };
@@ -36,8 +32,8 @@ class MapImport {
  public:
   void layout(Arena& arena, int particles);
 
-  // The pairs of landmarks that are one: the given ones that hold, and further ones that lie close
-  // together and look alike. Each landmark is in one pair at most. Valid until the next call.
+  // The pairs of landmarks that are one: the given ones that hold, and further ones
+  // (same_landmark.h). Each landmark is in one pair at most. Valid until the next call.
   std::span<const SlotPair> find_pairs(const Map& own, const Map& other, const Pose2& T_own_other,
                                        std::span<const SlotPair> known,
                                        const ImportSettings& settings);
@@ -49,8 +45,7 @@ class MapImport {
                      double camera_z_m, const ImportSettings& settings);
 
  private:
-  int find_duplicate(const Map& own, const Map& other, int slot, const Pose2& T_own_other,
-                     const ImportSettings& settings) const;
+  int find_twin(const Map& own, const Map& other, int slot, const Pose2& T_own_other) const;
   bool take_over(Map& own, Map& other, int slot, std::span<const Pose2> T_own_other);
   int take_over_anchor(Map& own, const LandmarkRows& rows, std::span<const Pose2> T_own_other);
 

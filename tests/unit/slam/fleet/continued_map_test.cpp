@@ -2,11 +2,13 @@
 
 #include "slam/fleet/continued_map.h"
 
+#include <chrono>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "platform/base/random.h"
+#include "tests/support/figure.h"
 #include "tests/support/seeds.h"
 
 namespace zenith {
@@ -69,9 +71,37 @@ TEST(ContinuedMap, NearOnesThatLookDifferentStayTwo) {
   const TestSeed seed;
   Random random(seed.value(), 1);
   const std::vector<LandmarkRecord> past = {landmark(1, 0.0, 0.0, random)};
-  const std::vector<LandmarkRecord> own = {landmark(1, 0.1, 0.0, random)};
+  const std::vector<LandmarkRecord> own = {landmark(1, 0.08, 0.0, random)};
   std::vector<LandmarkRecord> out(kMaxLandmarks);
   EXPECT_EQ(continue_map(past, own, {}, Eigen::Matrix3d::Zero(), out), 2u);
+}
+
+TEST(ContinuedMap, OfTwoFullMapsEveryCommonLandmarkIsFound) {
+  const TestSeed seed;
+  Random random(seed.value(), 1);
+  std::vector<LandmarkRecord> past;
+  for (std::uint32_t i = 0; i < kMaxLandmarks; ++i) {
+    past.push_back(landmark(i + 1, 0.5 * (i % 64), 0.5 * (i / 64), random));
+    LandmarkRecord& r = past.back();
+    for (; r.appearance_count < kPublishedAppearances; ++r.appearance_count) {
+      r.appearances[r.appearance_count] = r.appearances[0];
+    }
+  }
+  const Pose2 T_past_own{3.0, -2.0, 0.0};
+  std::vector<LandmarkRecord> own;
+  for (std::size_t i = 0; i < past.size(); ++i) {
+    own.push_back(seen_now(past[i], past[i].id, T_past_own));
+    own.back().x_m += static_cast<float>(0.06 * (random.uniform() - 0.5));
+    own.back().y_m += static_cast<float>(0.06 * (random.uniform() - 0.5));
+  }
+  std::vector<LandmarkRecord> out(kMaxLandmarks);
+  const auto start = std::chrono::steady_clock::now();
+  ASSERT_EQ(continue_map(past, own, T_past_own, Eigen::Matrix3d::Zero(), out), past.size());
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+  for (std::size_t i = 0; i < out.size(); ++i) EXPECT_EQ(out[i].id, past[i].id);
+  print_figure(
+      "continued map: %d landmarks with %d looks and as many seen again, as one in %.1f ms",
+      kMaxLandmarks, kPublishedAppearances, took.count() * 1e3);
 }
 
 TEST(ContinuedMap, AFullMapLeavesPastOnesOut) {
