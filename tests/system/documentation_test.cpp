@@ -5,6 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <sys/file.h>
+
 #include <algorithm>
 #include <fstream>
 #include <map>
@@ -73,6 +75,11 @@ class DocumentedCommands : public testing::TestWithParam<fs::path> {
   void SetUp() override {
     make_clone(folder_.path());
     ASSERT_TRUE(create_fleet_key(folder_.path() / "etc" / "fleet.key").ok());
+    if (network_.good()) return;
+    // Two pages at a time would want the same ports.
+    const fs::path lock = fs::temp_directory_path() / "zenith-documentation.lock";
+    alone_ = UniqueFd(::open(lock.c_str(), O_RDONLY | O_CREAT | O_CLOEXEC, 0644));
+    ASSERT_EQ(::flock(alone_.get(), LOCK_EX), 0);
   }
 
   std::string file(const std::string& name) const { return (folder_.path() / name).string(); }
@@ -103,6 +110,7 @@ class DocumentedCommands : public testing::TestWithParam<fs::path> {
 
   tools::TemporaryFolder folder_;
   NetWorld network_{1};
+  UniqueFd alone_;
 };
 
 // Ctrl-C reaches the shell's child, too: both are of one process group.

@@ -138,6 +138,8 @@ TEST_F(ViewTest, ShowsRobotsLiveAndHowTheyMerge) {
   EXPECT_TRUE(
       browser->wait_for("!window.zenith.map.layers.find(l => l.name === 'r2')?.placed", kSoon_s))
       << "they had not joined yet";
+  EXPECT_EQ(browser->run("return document.getElementById('confidence').hidden"), true)
+      << "what came later is not shown";
   EXPECT_EQ(browser->run("return document.querySelectorAll('#marks i').length > 0"), true)
       << "a merge is marked";
   save_all(*browser, "past");

@@ -195,7 +195,7 @@ function frame(now) {
   map.draw();
   showLegend();
   showHealth(robot);
-  showEye(robot, $('look').checked);
+  showEye(robot, $('look').checked, past);
   showPeers(robot, colourOf, current);
   showTime(robot, current);
   showCounters(robot);

@@ -61,7 +61,7 @@ export function showHealth(robot) {
 
 let eyeImage = null, eyeSerial = -1;
 
-export function showEye(robot, wanted) {
+export function showEye(robot, wanted, past) {
   const picture = wanted ? robot.picture : null;
   if (picture && picture.serial !== eyeSerial) {
     eyeSerial = picture.serial;
@@ -79,7 +79,7 @@ export function showEye(robot, wanted) {
   }
   let note = '';
   if (!wanted) note = 'Not shown: nothing is asked of the robot.';
-  else if (!picture) note = 'No picture yet.';
+  else if (!picture) note = past ? 'No picture: nobody looked at that time.' : 'No picture yet.';
   else if (!picture.used) note = 'It stands: this frame told nothing new.';
   $('eye-note').textContent = note;
 }
