@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <cstdio>
+#include <cstdlib>
 #include <fstream>
 #include <memory>
 #include <numbers>
@@ -12,6 +13,7 @@
 
 #include "tools/atomic_output.h"
 #include "tools/commands.h"
+#include "tools/fleet/child_process.h"
 #include "tools/fleet/demo.h"
 #include "tools/progress.h"
 #include "tools/replay.h"
@@ -70,10 +72,17 @@ class PageThread {
     thread_ = std::thread([this] {
       while (!stop_) page_->turn(kSlice, -1);
     });
+    open_browser();
     return {};
   }
 
  private:
+  // Where there is a desktop; the address is printed anyway. A browser that it starts lives on.
+  void open_browser() {
+    if (std::getenv("DISPLAY") == nullptr && std::getenv("WAYLAND_DISPLAY") == nullptr) return;
+    (void)ChildProcess::start({"setsid", "--fork", "xdg-open", page_->address()}, "/dev/null");
+  }
+
   std::unique_ptr<LivePage> page_;
   std::atomic<bool> stop_ = false;
   std::thread thread_;
@@ -249,8 +258,10 @@ void add_demo_command(CLI::App& app, int& exit_code) {
       ->check(CLI::NonNegativeNumber);
   demo->add_flag("--offline", command->offline,
                  "no daemons and no network: record, then map the recordings");
-  demo->add_flag("--view", command->view,
-                 "show it in a browser meanwhile, and until Ctrl-C (offline: afterwards)");
+  demo->add_flag(
+      "--view", command->view,
+      "show it in a browser meanwhile, and until Ctrl-C (offline: afterwards); opens one where "
+      "there is a desktop");
   demo->add_option("--port", command->web.port, "where the page of --view is; 0: any that is free")
       ->check(CLI::Range(0, 65535))
       ->capture_default_str();

@@ -125,10 +125,20 @@ TEST_F(ViewOverSsh, WorksWithARealServer) {
 
 class DemoPage : public testing::Test {
  protected:
+  // A desktop whose browser writes down what it is to open.
+  DemoPage() {
+    const fs::path opener = folder_.path() / "bin" / "xdg-open";
+    fs::create_directory(opener.parent_path());
+    tools::write_text(opener,
+                      "#!/bin/bash\necho \"$@\" >" + (folder_.path() / "opened").string() + "\n");
+    fs::permissions(opener, fs::perms::owner_all);
+  }
   bool start() {
     return view_.run({"demo", "--view", "--port", "0", "--duration", "8", "--out",
                       (folder_.path() / "demo").string()},
-                     kLimit_s);
+                     kLimit_s,
+                     {{"PATH", (folder_.path() / "bin").string() + ":" + std::getenv("PATH")},
+                      {"DISPLAY", ":0"}});
   }
   bool shows_both() {
     return page_sees(view_.port(), json::object(), [](const json& robots) {
@@ -146,6 +156,9 @@ TEST_F(DemoPage, ShowsTheRobotsAndStaysUntilCtrlC) {
   ASSERT_TRUE(wait_until(kLimit_s, [&] {
     return view_.said().find("The robots have ended") != std::string::npos;
   })) << view_.said();
+  EXPECT_TRUE(wait_until(kLimit_s, [&] {
+    return tools::read_text(folder_.path() / "opened") == view_.address() + "\n";
+  })) << "the browser";
   EXPECT_TRUE(fs::exists(folder_.path() / "demo" / "map.png"));
   EXPECT_TRUE(shows_both()) << "as they were";
   EXPECT_EQ(view_.stop(), 0);

@@ -14,23 +14,29 @@ using nlohmann::json;
 
 constexpr Duration kSlice = {50'000'000};
 
-}  // namespace
+// "127.0.0.1:8765"
+std::string place_of(const WebOptions& options, int port) {
+  return (options.bind == "0.0.0.0" ? "localhost" : options.bind) + ":" + std::to_string(port);
+}
 
 void print_address(const WebOptions& options, int port) {
-  const std::string host = options.bind == "0.0.0.0" ? "localhost" : options.bind;
-  std::printf("Open http://%s:%d in a browser.   Foxglove: ws://%s:%d   Ctrl-C ends.\n",
-              host.c_str(), port, host.c_str(), port);
+  const std::string place = place_of(options, port);
+  std::printf("Open http://%s in a browser.   Foxglove: ws://%s   Ctrl-C ends.\n", place.c_str(),
+              place.c_str());
   std::fflush(stdout);
 }
 
-LivePage::LivePage(std::vector<RobotAddress> robots)
-    : live_(state_, std::move(robots), &history_),
+}  // namespace
+
+LivePage::LivePage(const WebOptions& options, std::vector<RobotAddress> robots)
+    : options_(options),
+      live_(state_, std::move(robots), &history_),
       look_back_(state_, history_),
       before_(monotonic_now()) {}
 
 Result<std::unique_ptr<LivePage>> LivePage::start(const WebOptions& options,
                                                   std::vector<RobotAddress> robots) {
-  std::unique_ptr<LivePage> page(new LivePage(std::move(robots)));
+  std::unique_ptr<LivePage> page(new LivePage(options, std::move(robots)));
   auto server = WebServer::start(options, page->state_, [raw = page.get()](const json& request) {
     return raw->look_back_.answer(request);
   });
@@ -38,6 +44,10 @@ Result<std::unique_ptr<LivePage>> LivePage::start(const WebOptions& options,
   page->server_ = std::move(*server);
   print_address(options, page->server_->port());
   return page;
+}
+
+std::string LivePage::address() const {
+  return "http://" + place_of(options_, server_->port());
 }
 
 void LivePage::turn(Duration wait, int wake_fd) {

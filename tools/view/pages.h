@@ -3,6 +3,7 @@
 // together.
 
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "platform/base/result.h"
@@ -16,9 +17,6 @@
 
 namespace zenith::tools {
 
-// Prints where the page is.
-void print_address(const WebOptions& options, int port);
-
 class LivePage {
  public:
   // Prints where it is. Nothing is heard before turn().
@@ -26,10 +24,13 @@ class LivePage {
                                                  std::vector<RobotAddress> robots);
   // Takes what robots tell within `wait`, or until `wake_fd` can be read (-1: none). One thread.
   void turn(Duration wait, int wake_fd);
+  // "http://127.0.0.1:8765"
+  std::string address() const;
 
  private:
-  explicit LivePage(std::vector<RobotAddress> robots);
+  LivePage(const WebOptions& options, std::vector<RobotAddress> robots);
 
+  const WebOptions options_;
   FleetState state_;
   History history_;
   Live live_;
