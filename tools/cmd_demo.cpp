@@ -80,10 +80,13 @@ class PageThread {
   // Where there is a desktop; the address is printed anyway. A browser that it starts lives on.
   void open_browser() {
     if (std::getenv("DISPLAY") == nullptr && std::getenv("WAYLAND_DISPLAY") == nullptr) return;
-    (void)ChildProcess::start({"setsid", "--fork", "xdg-open", page_->address()}, "/dev/null");
+    auto opener =
+        ChildProcess::start({"setsid", "--fork", "xdg-open", page_->address()}, "/dev/null");
+    if (opener.ok()) opener_ = std::make_unique<ChildProcess>(std::move(*opener));
   }
 
   std::unique_ptr<LivePage> page_;
+  std::unique_ptr<ChildProcess> opener_;
   std::atomic<bool> stop_ = false;
   std::thread thread_;
 };
