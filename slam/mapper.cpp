@@ -68,10 +68,13 @@ void Mapper::update(const WheelTravel& travel, Features& features, const Feature
   if (resampling_due()) resample();
 }
 
+MotionNoise Mapper::motion_noise() const {
+  return {p_.distance_noise_per_sqrt_m, p_.turn_noise_per_sqrt_m, p_.lateral_noise_per_sqrt_m,
+          p_.odometry_floor_m};
+}
+
 void Mapper::move(const WheelTravel& travel, Features& features) {
-  const MotionNoise noise = {p_.distance_noise_per_sqrt_m, p_.turn_noise_per_sqrt_m,
-                             p_.lateral_noise_per_sqrt_m, p_.odometry_floor_m};
-  motion_ = motion_increment(robot_.wheels, travel, noise);
+  motion_ = motion_increment(robot_.wheels, travel, motion_noise());
   const double way = std::hypot(motion_.mean.x_m, motion_.mean.y_m);
   travelled_m_ += way;
   map_->add_way(way_share_ * way);

@@ -83,6 +83,7 @@ class Mapper {
   const MapperCounters& counters() const { return counters_; }
   Eigen::Vector2d lever_m() const { return {robot_.mount.x_m, robot_.mount.y_m}; }
   const RobotConfig& robot() const { return robot_; }
+  MotionNoise motion_noise() const;
 
  private:
   // A corner is found to so many pixels of the fisheye frame; rectified, a pixel grows by 1 + r^2

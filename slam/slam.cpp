@@ -52,6 +52,10 @@ bool Slam::State::begin(const StepInput& input) {
   const WheelHistory::At at = wheels.at(input.stamp);
   if (!at.known || at.extrapolated) ++counters.odometry_extrapolated;
   now = at.total;
+  if (at.known) {
+    dead_reckoning.advance(mapper.robot().wheels, input.stamp, now, mapper.motion_noise());
+    output.odometry = dead_reckoning.odometry();
+  }
   if (!has_used) used = now;
   travel = {now.left_m - used.left_m, now.right_m - used.right_m};
   features = &extractor.extract(input.frame, input.corners_max);

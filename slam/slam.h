@@ -16,6 +16,7 @@
 #include "platform/base/time.h"
 #include "slam/capacity.h"
 #include "slam/counters.h"
+#include "slam/filter/dead_reckoning.h"
 #include "slam/fleet/alignment.h"
 #include "slam/fleet/record.h"
 #include "slam/geometry.h"
@@ -41,6 +42,7 @@ struct StepOutput {
   Pose2 T_start_robot;              // base_link in the robot's own start frame
   Eigen::Matrix3d pose_covariance;  // over (x, y, theta)
   double effective_sample_size = 0.0;
+  Odometry odometry;  // the wheels alone
   int corners = 0;
   int candidates = 0;  // landmarks predicted into the image
   int matched = 0;

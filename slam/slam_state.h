@@ -15,6 +15,7 @@ struct Slam::State {
   Fleet fleet;
   ObservedFrame observed;
   WheelHistory wheels;
+  DeadReckoning dead_reckoning;
   WheelTravel used;  // total travel at the last used frame
   bool has_used = false;
   bool used_last = false;  // the last frame

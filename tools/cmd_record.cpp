@@ -8,6 +8,7 @@
 
 #include "platform/daemon/simulated/simulated_devices.h"
 #include "platform/linux/clock.h"
+#include "platform/linux/local_socket.h"
 #include "platform/linux/signals.h"
 #include "tools/commands.h"
 #include "tools/record/record.h"

@@ -13,7 +13,6 @@
 #include "platform/recording/recording.h"
 #include "platform/recording/seconds.h"
 #include "platform/recording/text_file.h"
-#include "tools/runner/dead_reckoning.h"
 
 namespace zenith::tools {
 namespace {
@@ -91,6 +90,7 @@ void spread_alignments(const std::vector<AlignmentRow>& rows,
 // Wheels and truth of the recording, at the stamps of the estimated trajectory.
 Status fill_frames(Recording& recording, const std::vector<StampedPose>& estimate,
                    RobotLog& robot) {
+  WheelHistory wheels;
   DeadReckoning odometry;
   SourceFrame frame;
   std::size_t next = 0;
@@ -99,7 +99,11 @@ Status fill_frames(Recording& recording, const std::vector<StampedPose>& estimat
     if (!*more) break;
     FrameLog log;
     log.stamp = frame.stamp;
-    log.odometry = odometry.advance(recording.config().wheels, frame.stamp, frame.wheels);
+    for (const WheelSample& sample : frame.wheels) wheels.add(sample);
+    if (const WheelHistory::At at = wheels.at(frame.stamp); at.known) {
+      odometry.advance(recording.config().wheels, frame.stamp, at.total, {});
+    }
+    log.odometry = odometry.odometry().T_odom_robot;
     log.truth = frame.truth;
     while (next < estimate.size() && estimate[next].stamp < frame.stamp) ++next;
     if (next == estimate.size()) break;

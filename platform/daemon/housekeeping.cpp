@@ -173,6 +173,7 @@ void Housekeeping::show_lights(Time now) {
 void Housekeeping::send_telemetry(Time now) {
   JsonLine hello;
   write_hello(hello, config_.name, kVersion, devices_, started_);
+  write_clock(hello, system_clock_offset());
   const bool new_reader = telemetry_.accept(hello.finish()) > 0;
   if (new_reader) next_health_ = now;
   send_maps(now, new_reader);
@@ -221,6 +222,7 @@ void Housekeeping::send_picture(Time now) {
 void Housekeeping::send_second(Time now) {
   JsonLine health;
   write_health(health, report_, health_, cooperation_.counters());
+  write_clock(health, system_clock_offset());
   telemetry_.send(health.finish());
   JsonLine deadlines;
   write_deadlines(deadlines, perception_.deadlines());

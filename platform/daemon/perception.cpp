@@ -186,15 +186,8 @@ void Perception::use_frame() {
   publish();
   if (picture_asked_.load(std::memory_order_relaxed)) leave_picture();
 
-  report_.stamp = output.stamp;
-  report_.T_start_robot = output.T_start_robot;
-  const Eigen::Matrix3d& c = output.pose_covariance;
-  report_.covariance = {c(0, 0), c(0, 1), c(0, 2), c(1, 1), c(1, 2), c(2, 2)};
-  report_.effective_sample_size = output.effective_sample_size;
-  report_.corners = output.corners;
-  report_.candidates = output.candidates;
-  report_.matched = output.matched;
-  report_.inliers = output.inliers;
+  const bool first = !report_.has_pose;
+  note_step(report_, output);
   note_alignments();
 
   if (tap_ != nullptr) tap_->add(tap::TappedPose{output.stamp, output.T_start_robot});
@@ -205,8 +198,7 @@ void Perception::use_frame() {
   report_.step = end - start;
   report_.period = period_;
   note_load(end - start);
-  if (!report_.has_pose) tell(PerceptionEventKind::kFirstPose);
-  report_.has_pose = true;
+  if (first) tell(PerceptionEventKind::kFirstPose);
   write_report(end);
 }
 

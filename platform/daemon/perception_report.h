@@ -15,6 +15,7 @@
 #include "slam/counters.h"
 #include "slam/fleet/alignment.h"
 #include "slam/geometry.h"
+#include "slam/slam.h"
 
 namespace zenith {
 
@@ -40,6 +41,11 @@ struct PerceptionReport {
   Time stamp;
   Pose2 T_start_robot;
   std::array<double, 6> covariance = {};  // xx xy xt yy yt tt
+  // By the wheels alone, as StepOutput's.
+  Pose2 T_odom_robot;
+  std::array<double, 6> odometry_covariance = {};  // xx xy xt yy yt tt
+  std::array<double, 3> velocity = {};             // forward, left, turn
+  std::array<double, 6> velocity_covariance = {};
   double effective_sample_size = 0.0;
   int corners = 0;
   int candidates = 0;
@@ -67,6 +73,9 @@ struct PerceptionReport {
   std::uint64_t wheel_samples_dropped = 0;  // no frame came to use them
   PageFaults faults;                        // of the thread since the loop began
 };
+
+// Takes over what a step told of its frame.
+void note_step(PerceptionReport& report, const StepOutput& output);
 
 enum class PerceptionEventKind : std::uint8_t {
   kFirstPose,

@@ -1,5 +1,6 @@
 #include "platform/daemon/telemetry_lines.h"
 
+#include <algorithm>
 #include <array>
 
 #include "drivers/radio/endpoint_text.h"
@@ -93,6 +94,11 @@ void write_hello(JsonLine& line, std::string_view robot, std::string_view versio
       .count("started_ns", ns_of(started));
 }
 
+void write_clock(JsonLine& line, Duration system_offset) {
+  const auto offset = static_cast<unsigned long long>(std::max<std::int64_t>(system_offset.ns, 0));
+  line.count("system_offset_ns", offset);
+}
+
 void write_pose(JsonLine& line, const PerceptionReport& report) {
   line.text("type", "pose")
       .count("stamp_ns", ns_of(report.stamp))
@@ -108,6 +114,12 @@ void write_pose(JsonLine& line, const PerceptionReport& report) {
   if (const PeerReport* past = past_self(report)) {
     line.numbers("map_pose", numbers_of(past->T_own_peer.inverse() * report.T_start_robot));
   }
+  line.begin("odometry")
+      .numbers("pose", numbers_of(report.T_odom_robot))
+      .numbers("covariance", report.odometry_covariance)
+      .numbers("velocity", report.velocity)
+      .numbers("velocity_covariance", report.velocity_covariance)
+      .end();
 }
 
 void write_stored_map(JsonLine& line, const MapStatus& status, Time now) {

@@ -16,6 +16,8 @@ namespace zenith {
 // The first line that a reader gets.
 void write_hello(JsonLine& line, std::string_view robot, std::string_view version,
                  std::string_view devices, Time started);
+// At the end of a line: what to add to its times for those of the system's clock, CLOCK_REALTIME.
+void write_clock(JsonLine& line, Duration system_offset);
 void write_pose(JsonLine& line, const PerceptionReport& report);
 void write_alignment(JsonLine& line, const PeerReport& peer, std::string_view name, Time stamp);
 void write_health(JsonLine& line, const PerceptionReport& report, const Health& health,

@@ -25,6 +25,13 @@ Duration thread_cpu_time() {
   return {read_ns(CLOCK_THREAD_CPUTIME_ID)};
 }
 
+Duration system_clock_offset() {
+  const std::int64_t before = read_ns(CLOCK_MONOTONIC);
+  const std::int64_t system = read_ns(CLOCK_REALTIME);
+  const std::int64_t after = read_ns(CLOCK_MONOTONIC);
+  return {system - (before + (after - before) / 2)};
+}
+
 void sleep_until(Time wake) {
   if (wake.ns <= 0) return;
   timespec until = {};

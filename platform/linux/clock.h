@@ -15,6 +15,10 @@ Duration thread_cpu_time();
 // Returns at once when `wake` has passed. Signals do not shorten it.
 void sleep_until(Time wake);
 
+// What the system's clock, CLOCK_REALTIME, is ahead of this one now. Others' programs stamp by it;
+// it jumps.
+Duration system_clock_offset();
+
 // "2026-03-01 12:34:56.789" UTC, for a person who reads a log. Never compute with it: it jumps.
 std::string wall_clock_text();
 

@@ -5,6 +5,7 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
@@ -46,6 +47,16 @@ std::string runtime_path(const std::string& path) {
     return first + "/" + path;
   }
   return "/tmp/" + path;
+}
+
+std::vector<std::string> runtime_paths(const std::string& socket) {
+  std::vector<std::string> paths = {runtime_path(socket)};
+  if (socket.empty() || socket[0] == '/') return paths;
+  for (const char* folder : {"/run/zenith/", "/tmp/"}) {
+    const std::string path = folder + socket;
+    if (std::find(paths.begin(), paths.end(), path) == paths.end()) paths.push_back(path);
+  }
+  return paths;
 }
 
 Result<UniqueFd> listen_local(const std::string& path, int type, unsigned permissions,

@@ -38,10 +38,6 @@ class RecordSource {
   virtual std::string description() const = 0;
 };
 
-// The paths at which a daemon's socket of this name may be, in the order in which they are tried:
-// an absolute one alone; else in this person's runtime folder, and in a service's.
-std::vector<std::string> runtime_paths(const std::string& socket);
-
 // Of the daemon that listens at the first of `paths` where one does.
 Result<std::unique_ptr<RecordSource>> open_tap_source(const std::vector<std::string>& paths);
 

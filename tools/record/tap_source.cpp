@@ -171,16 +171,6 @@ class TapSource final : public RecordSource {
 
 }  // namespace
 
-std::vector<std::string> runtime_paths(const std::string& socket) {
-  std::vector<std::string> paths = {runtime_path(socket)};
-  if (socket.empty() || socket[0] == '/') return paths;
-  for (const char* folder : {"/run/zenith/", "/tmp/"}) {
-    const std::string path = folder + socket;
-    if (std::find(paths.begin(), paths.end(), path) == paths.end()) paths.push_back(path);
-  }
-  return paths;
-}
-
 Result<std::unique_ptr<RecordSource>> open_tap_source(const std::vector<std::string>& paths) {
   std::string tried;
   for (const std::string& path : paths) {

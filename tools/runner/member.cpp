@@ -44,7 +44,7 @@ void Member::log_step(double step_s) {
   FrameLog log;
   log.stamp = frame_.stamp;
   log.T_start_robot = output.T_start_robot;
-  log.odometry = odometry_.advance(source_.config().wheels, frame_.stamp, frame_.wheels);
+  log.odometry = output.odometry.T_odom_robot;
   log.truth = frame_.truth;
   log.step_s = step_s;
   log.corners = output.corners;

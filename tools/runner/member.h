@@ -11,7 +11,6 @@
 #include "platform/base/result.h"
 #include "platform/recording/source.h"
 #include "slam/slam.h"
-#include "tools/runner/dead_reckoning.h"
 #include "tools/runner/run_log.h"
 
 namespace zenith::tools {
@@ -59,7 +58,6 @@ class Member {
   std::optional<Slam> slam_;
   SourceFrame frame_;
   bool has_frame_ = false;
-  DeadReckoning odometry_;
   Pose2 T_start_map_;              // while the filter is shared
   std::vector<PeerLog> partners_;  // robots in the same filter
   RobotLog log_;

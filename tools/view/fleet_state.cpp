@@ -18,7 +18,7 @@ std::string data_url(const std::vector<unsigned char>& jpeg) {
 
 std::size_t FleetState::add(const std::string& label) {
   const Lock lock(mutex_);
-  robots_.emplace_back(label);
+  robots_.emplace_back(label, write_jpeg_);
   wishes_.push_back(false);
   return robots_.size() - 1;
 }

@@ -20,7 +20,9 @@ namespace zenith::tools {
 class FleetState {
  public:
   // Answers of states with other epochs are told apart by a page that changes between them.
-  explicit FleetState(std::uint64_t first_epoch = 1) : epoch_(first_epoch) {}
+  // `write_jpeg`: RobotState's.
+  explicit FleetState(std::uint64_t first_epoch = 1, WriteJpeg write_jpeg = nullptr)
+      : write_jpeg_(write_jpeg), epoch_(first_epoch) {}
 
   // Robots are numbered in the order in which they are added, before anybody reads.
   std::size_t add(const std::string& label);
@@ -46,6 +48,7 @@ class FleetState {
 
  private:
   mutable std::recursive_mutex mutex_;
+  const WriteJpeg write_jpeg_;
   std::vector<RobotState> robots_;
   std::vector<bool> wishes_;  // for pictures
   std::uint64_t version_ = 0;

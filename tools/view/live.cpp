@@ -12,12 +12,10 @@ constexpr Duration kAskEvery = {1'000'000'000};
 
 }  // namespace
 
-Live::Live(FleetState& state, std::vector<RobotAddress> robots, History* history)
-    : state_(state), history_(history) {
+Live::Live(FleetState& state, std::vector<RobotAddress> robots, Heard heard)
+    : state_(state), heard_(std::move(heard)) {
   for (RobotAddress& robot : robots) {
-    const std::string label = robot.text.empty() ? "robot" : robot.text;
-    const std::size_t number = state_.add(label);
-    if (history_ != nullptr) history_->add(label);
+    const std::size_t number = state_.add(robot.text.empty() ? "robot" : robot.text);
     links_.emplace_back(std::move(robot));
     state_.set_link(number, false, links_.back().why());
   }
@@ -27,10 +25,7 @@ void Live::take(std::size_t robot, std::string_view text, Time now) {
   const nlohmann::json line = nlohmann::json::parse(text, nullptr, false);
   if (!line.is_object()) return;
   state_.apply(robot, line);
-  if (history_ == nullptr) return;
-  state_.read([&](const std::vector<RobotState>& robots) {
-    history_->note(robot, robots[robot], line, text, now);
-  });
+  if (heard_) heard_(robot, line, text, now);
 }
 
 void Live::turn(Duration wait, int wake_fd) {

@@ -2,20 +2,24 @@
 // Listens to robots and keeps their state: the one thread of `zenith view` and `zenith metrics`
 // that talks with daemons.
 
+#include <functional>
+#include <string_view>
 #include <vector>
 
 #include "platform/base/time.h"
 #include "tools/view/fleet_state.h"
-#include "tools/view/history.h"
 #include "tools/view/telemetry_link.h"
 
 namespace zenith::tools {
 
 class Live {
  public:
-  // `state` must outlive it, and so must `history` where there is one; robots are added to both in
-  // this order.
-  Live(FleetState& state, std::vector<RobotAddress> robots, History* history = nullptr);
+  // After each line: the robot's number, the line that the state has just taken in, and its text.
+  using Heard = std::function<void(std::size_t robot, const nlohmann::json& line,
+                                   std::string_view text, Time now)>;
+
+  // `state` must outlive it; robots are added to it in this order.
+  Live(FleetState& state, std::vector<RobotAddress> robots, Heard heard = {});
 
   // Takes what comes within `wait`, or until `wake_fd` can be read (-1: none).
   void turn(Duration wait, int wake_fd);
@@ -24,7 +28,7 @@ class Live {
   void take(std::size_t robot, std::string_view text, Time now);
 
   FleetState& state_;
-  History* history_;
+  const Heard heard_;
   std::vector<TelemetryLink> links_;
   Time next_wish_;
 };

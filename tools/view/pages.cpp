@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "platform/linux/clock.h"
+#include "tools/view/jpeg.h"
 #include "tools/view/player.h"
 
 namespace zenith::tools {
@@ -30,9 +31,19 @@ void print_address(const WebOptions& options, int port) {
 
 LivePage::LivePage(const WebOptions& options, std::vector<RobotAddress> robots)
     : options_(options),
-      live_(state_, std::move(robots), &history_),
+      state_(1, write_jpeg),
+      live_(state_, std::move(robots),
+            [this](std::size_t robot, const json& line, std::string_view text, Time now) {
+              state_.read([&](const std::vector<RobotState>& states) {
+                history_.note(robot, states[robot], line, text, now);
+              });
+            }),
       look_back_(state_, history_),
-      before_(monotonic_now()) {}
+      before_(monotonic_now()) {
+  state_.read([this](const std::vector<RobotState>& states) {
+    for (const RobotState& robot : states) history_.add(robot.name());
+  });
+}
 
 Result<std::unique_ptr<LivePage>> LivePage::start(const WebOptions& options,
                                                   std::vector<RobotAddress> robots) {

@@ -3,6 +3,9 @@
 namespace zenith::tools {
 namespace {
 
+// Each robot's own map of an earlier run has this name, and is another one for each.
+constexpr std::string_view kPastSelf = "past self";
+
 struct Edge {
   std::string own;
   std::string peer;
@@ -17,7 +20,9 @@ std::vector<Edge> merges(const std::vector<RobotState>& robots) {
       if (key.compare(0, kAlignment.size(), kAlignment) != 0) continue;
       const auto& pose = line.value("pose", nlohmann::json::array());
       if (line.value("state", "") != "merged" || pose.size() != 3) continue;
-      edges.push_back({robot.name(), key.substr(kAlignment.size()), {pose[0], pose[1], pose[2]}});
+      std::string peer = key.substr(kAlignment.size());
+      if (peer == kPastSelf) peer = robot.name() + " " + peer;
+      edges.push_back({robot.name(), std::move(peer), {pose[0], pose[1], pose[2]}});
     }
   }
   return edges;
@@ -25,10 +30,11 @@ std::vector<Edge> merges(const std::vector<RobotState>& robots) {
 
 }  // namespace
 
-std::map<std::string, Pose2> place_starts(const std::vector<RobotState>& robots) {
+std::map<std::string, Pose2> place_starts(const std::vector<RobotState>& robots,
+                                          std::size_t first) {
   std::map<std::string, Pose2> placed;
-  if (robots.empty()) return placed;
-  placed[robots[0].name()] = {};
+  if (first >= robots.size()) return placed;
+  placed[robots[first].name()] = {};
   const std::vector<Edge> edges = merges(robots);
   for (bool more = true; more;) {
     more = false;

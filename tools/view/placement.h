@@ -1,5 +1,5 @@
 #pragma once
-// Where robots' start frames lie in that of the first one, as far as merges tell.
+// Where robots' start frames lie in that of one of them, as far as merges tell.
 
 #include <map>
 #include <string>
@@ -10,8 +10,9 @@
 
 namespace zenith::tools {
 
-// By name; the first robot lies at the origin, robots that nobody has merged with are missing.
-// Peers that do not tell themselves are there, too.
-std::map<std::string, Pose2> place_starts(const std::vector<RobotState>& robots);
+// By name; the robot `first` lies at the origin, robots that nobody has merged with are missing.
+// Peers that do not tell themselves are there, too, and a robot's stored map as "anna past self".
+std::map<std::string, Pose2> place_starts(const std::vector<RobotState>& robots,
+                                          std::size_t first = 0);
 
 }  // namespace zenith::tools

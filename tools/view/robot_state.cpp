@@ -2,8 +2,6 @@
 
 #include <cmath>
 
-#include <opencv2/imgcodecs.hpp>
-
 #include "platform/base/base64.h"
 
 namespace zenith::tools {
@@ -14,7 +12,6 @@ using nlohmann::json;
 // A point of the path for every so much way or turn.
 constexpr double kStep_m = 0.03;
 constexpr double kTurn_rad = 0.1;
-constexpr int kJpegQuality = 75;
 constexpr int kLargestSide = 4096;
 
 double seconds_of(const json& line) {
@@ -36,7 +33,8 @@ json value_or_empty(const json& line, const char* key) {
 
 }  // namespace
 
-RobotState::RobotState(std::string label) : name_(std::move(label)) {}
+RobotState::RobotState(std::string label, WriteJpeg write_jpeg)
+    : name_(std::move(label)), write_jpeg_(write_jpeg) {}
 
 const json& RobotState::line(const std::string& key) const {
   static const json kNone;
@@ -64,7 +62,7 @@ void RobotState::clear(std::uint64_t version) {
   lines_.clear();
   if (!link.is_null()) set("link", link, version);
   seconds_.clear();
-  for (auto& [owner, marks] : marks_) marks = {{}, version};
+  for (auto& [owner, marks] : marks_) marks = {{}, version, version};
   landmarks_version_ = version;
   path_.clear(version);
   steps_.clear(version);
@@ -97,7 +95,7 @@ bool RobotState::apply(const json& line, std::uint64_t version) {
     } else if (type == "landmarks") {
       take_landmarks(line, version);
     } else if (type == "forgotten") {
-      marks_[line.at("peer").get<int>()] = {{}, version};
+      marks_[line.at("peer").get<int>()] = {{}, version, version};
       landmarks_version_ = version;
     } else if (type == "picture") {
       take_picture(line, version);
@@ -117,7 +115,7 @@ void RobotState::take_hello(const json& line, std::uint64_t version) {
                     value_or_empty(before, "started_ns") == value_or_empty(line, "started_ns");
   if (!same) clear(version);
   // What was removed meanwhile nobody told: the maps come again.
-  for (auto& [owner, marks] : marks_) marks = {{}, version};
+  for (auto& [owner, marks] : marks_) marks = {{}, version, version};
   landmarks_version_ = version;
   name_ = line.at("robot").get<std::string>();
   set("hello", line, version);
@@ -165,6 +163,7 @@ void RobotState::begin_second(std::uint64_t version) {
 
 void RobotState::take_landmarks(const json& line, std::uint64_t version) {
   Marks& marks = marks_[line.at("peer").get<int>()];
+  marks.changed = version;
   const json& rows = line.at("rows");
   for (std::size_t i = 0; i + kRowNumbers <= rows.size(); i += kRowNumbers) {
     Mark mark;
@@ -196,7 +195,10 @@ void RobotState::take_picture(const json& line, std::uint64_t version) {
 }
 
 void RobotState::take_strip(const json& line, std::uint64_t version) {
-  if (!picture_line_.is_object() || line.at("stamp_ns") != picture_line_.at("stamp_ns")) return;
+  if (write_jpeg_ == nullptr || !picture_line_.is_object() ||
+      line.at("stamp_ns") != picture_line_.at("stamp_ns")) {
+    return;
+  }
   const auto bytes = read_base64(line.at("grey").get<std::string>());
   const int width = picture_line_.at("width").get<int>();
   const int height = picture_line_.at("height").get<int>();
@@ -210,8 +212,7 @@ void RobotState::take_strip(const json& line, std::uint64_t version) {
   RobotPicture whole;
   whole.serial = version;
   whole.told = picture_line_;
-  const cv::Mat image(height, width, CV_8UC1, grey_.data());
-  cv::imencode(".jpg", image, whole.jpeg, {cv::IMWRITE_JPEG_QUALITY, kJpegQuality});
+  whole.jpeg = write_jpeg_(width, height, grey_);
   picture_ = std::move(whole);
 }
 
@@ -247,6 +248,11 @@ std::vector<json> RobotState::as_lines() const {
         {{"type", "landmarks"}, {"peer", owner}, {"rows", rows}, {"gone", json::array()}});
   }
   return lines;
+}
+
+std::uint64_t RobotState::landmarks_version(int owner) const {
+  const auto found = marks_.find(owner);
+  return found == marks_.end() ? 0 : found->second.changed;
 }
 
 json RobotState::changes(std::uint64_t version) const {

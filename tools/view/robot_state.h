@@ -24,6 +24,10 @@ struct RobotPicture {
   std::vector<unsigned char> jpeg;
 };
 
+// Compresses a grey picture, row by row from its top.
+using WriteJpeg = std::vector<unsigned char> (*)(int width, int height,
+                                                 const std::vector<unsigned char>& grey);
+
 class RobotState {
  public:
   static constexpr std::size_t kPathPoints = 8000;
@@ -33,8 +37,9 @@ class RobotState {
   using Row = std::array<double, kRowNumbers>;
   static constexpr int kOwn = -1;  // the owner of the own map; others: a peer's slot
 
-  // `label` stands for the name until the robot tells it.
-  explicit RobotState(std::string label);
+  // `label` stands for the name until the robot tells it. Without `write_jpeg` a live robot has no
+  // picture.
+  explicit RobotState(std::string label, WriteJpeg write_jpeg = nullptr);
 
   // One line. `version` rises with each call of any of the following. Lines and keys that are not
   // known are passed over; false when it is none of telemetry's.
@@ -56,6 +61,8 @@ class RobotState {
   const Series<3>& path() const { return path_; }
   const std::optional<RobotPicture>& picture() const { return picture_; }
   std::uint64_t landmarks_version() const { return landmarks_version_; }
+  // Rises with each change of this owner's; 0: never told.
+  std::uint64_t landmarks_version(int owner) const;
 
   // What is new since `version`; see docs/view.md. Empty when nothing is.
   nlohmann::json changes(std::uint64_t version) const;
@@ -69,6 +76,7 @@ class RobotState {
   struct Marks {
     std::map<std::uint32_t, Mark> by_id;
     std::uint64_t begun = 0;
+    std::uint64_t changed = 0;
   };
 
   void set(const std::string& key, nlohmann::json value, std::uint64_t version);
@@ -82,6 +90,7 @@ class RobotState {
   void begin_second(std::uint64_t version);
 
   std::string name_;
+  WriteJpeg write_jpeg_;
   bool up_ = false;
   std::map<std::string, nlohmann::json> lines_;
   std::map<std::string, std::uint64_t> versions_;  // of lines, of those that are no more, too

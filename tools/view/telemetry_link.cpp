@@ -7,7 +7,6 @@
 
 #include "platform/linux/errno_text.h"
 #include "platform/linux/local_socket.h"
-#include "tools/record/source.h"
 
 namespace zenith::tools {
 namespace {

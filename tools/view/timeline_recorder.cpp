@@ -3,6 +3,7 @@
 #include <fstream>
 
 #include "platform/linux/clock.h"
+#include "tools/view/jpeg.h"
 #include "tools/view/kept_lines.h"
 #include "tools/view/robot_state.h"
 #include "tools/view/timeline.h"
@@ -70,7 +71,7 @@ void TimelineRecorder::run(std::vector<std::string> names, std::vector<RobotAddr
   Writer writer(file_, names, monotonic_now());
   std::vector<Recorded> all;
   for (std::size_t i = 0; i < robots.size(); ++i) {
-    all.push_back({i, TelemetryLink(std::move(robots[i])), RobotState(names[i])});
+    all.push_back({i, TelemetryLink(std::move(robots[i])), RobotState(names[i], write_jpeg)});
   }
   Time next_ask;
   while (!stop_) {

@@ -70,15 +70,8 @@ void TimelineWriter::fill_report(std::size_t robot, const Member& member) {
   const FrameLog& frame = member.last_frame();
   PerceptionReport& r = told_[robot].report;
   r.written = r.stamp = r.last_frame = r.last_wheels = frame.stamp;
-  r.has_pose = r.camera_up = r.can_up = true;
-  r.T_start_robot = frame.T_start_robot;
-  const Eigen::Matrix3d& c = member.slam().output().pose_covariance;
-  r.covariance = {c(0, 0), c(0, 1), c(0, 2), c(1, 1), c(1, 2), c(2, 2)};
-  r.effective_sample_size = frame.effective_sample_size;
-  r.corners = frame.corners;
-  r.candidates = frame.candidates;
-  r.matched = frame.matched;
-  r.inliers = frame.inliers;
+  r.camera_up = r.can_up = true;
+  note_step(r, member.slam().output());
   r.step = Duration::from_seconds(frame.step_s);
   r.period = Duration::from_seconds(member.frame_period_s());
   r.steps = member.slam().counters();

@@ -151,6 +151,29 @@ TEST(JsonLine, IsEmptyWhenItDoesNotFit) {
   EXPECT_EQ(line.finish(), "");
 }
 
+TEST(TelemetryLines, APoseTellsTheWheelsAndAClockWhatToAdd) {
+  StepOutput step;
+  step.stamp = {7};
+  step.T_start_robot = {1, 2, 0.5};
+  step.pose_covariance << 1, 2, 3, 2, 4, 5, 3, 5, 6;
+  step.odometry.T_odom_robot = {3, 4, -0.5};
+  step.odometry.covariance = 10 * step.pose_covariance;
+  step.odometry.velocity = {0.25, 0, 0.125};
+  step.odometry.velocity_covariance = 100 * step.pose_covariance;
+  PerceptionReport report;
+  note_step(report, step);
+  EXPECT_TRUE(report.has_pose);
+  JsonLine line;
+  write_pose(line, report);
+  write_clock(line, {1'767'225'600'123'456'789});
+  const std::string said(line.finish());
+  EXPECT_THAT(said, HasSubstr(R"("stamp_ns":7,"pose":[1,2,0.5],"covariance":[1,2,3,4,5,6])"));
+  EXPECT_THAT(said, HasSubstr(R"("odometry":{"pose":[3,4,-0.5],"covariance":[10,20,30,40,50,60],)"
+                              R"("velocity":[0.25,0,0.125],)"
+                              R"("velocity_covariance":[100,200,300,400,500,600]})"));
+  EXPECT_THAT(said, HasSubstr(R"("system_offset_ns":1767225600123456789)"));
+}
+
 // The longest lines that there can be fit.
 TEST(TelemetryLines, FitWithTheLargestNumbers) {
   PerceptionReport report;
@@ -159,6 +182,8 @@ TEST(TelemetryLines, FitWithTheLargestNumbers) {
   std::memset(static_cast<void*>(&report.wheels), 0xff, sizeof report.wheels);
   std::memset(static_cast<void*>(&report.steps), 0xff, sizeof report.steps);
   report.covariance.fill(-1.23456789e-300);
+  report.odometry_covariance.fill(-1.23456789e-300);
+  report.velocity_covariance.fill(-1.23456789e-300);
   JsonLine health;
   write_health(health, report, {RobotLight::kFault, std::string(100, 'x')}, {~0U, ~0U, ~0U});
   EXPECT_THAT(std::string(health.finish()), HasSubstr("\"page_faults\""));

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "platform/base/base64.h"
+#include "tools/view/jpeg.h"
 #include "tools/view/placement.h"
 
 namespace zenith::tools {
@@ -61,7 +62,7 @@ class ViewState : public testing::Test {
     reset_ = answer["reset"];
     return answer["robots"][0];
   }
-  FleetState state_;
+  FleetState state_{1, write_jpeg};
   json request_ = json::object();
   bool reset_ = false;
 };
@@ -216,6 +217,33 @@ TEST(PlaceStarts, FollowsMergesFromTheFirstRobot) {
   const Pose2 expected = T_bert_anna.inverse();
   EXPECT_NEAR(placed.at("bert").x_m, expected.x_m, 1e-12);
   EXPECT_NEAR((placed.at("bert").inverse() * placed.at("dora")).theta_rad, 0.5, 1e-12);
+  const auto from_bert = place_starts(robots, 1);
+  EXPECT_EQ(from_bert.at("bert").x_m, 0.0);
+  EXPECT_NEAR(from_bert.at("anna").x_m, 1.0, 1e-12);
+}
+
+// Two robots that have found themselves in their stored maps have not found each other.
+TEST(PlaceStarts, StoredMapsJoinNoRobots) {
+  std::vector<RobotState> robots = {RobotState("anna"), RobotState("bert")};
+  for (RobotState& robot : robots) robot.apply(alignment("past self", "merged", 0.9), 1);
+  const auto placed = place_starts(robots);
+  EXPECT_EQ(placed.size(), 2u);
+  EXPECT_EQ(placed.count("bert"), 0u);
+  EXPECT_EQ(placed.count("anna past self"), 1u);
+}
+
+TEST(RobotStateMaps, EachOwnersVersionRisesWithItsOwnChanges) {
+  RobotState robot("anna");
+  EXPECT_EQ(robot.landmarks_version(RobotState::kOwn), 0u);
+  robot.apply(landmarks(RobotState::kOwn, {1, 2}), 1);
+  robot.apply(landmarks(0, {1}), 2);
+  EXPECT_EQ(robot.landmarks_version(RobotState::kOwn), 1u);
+  EXPECT_EQ(robot.landmarks_version(0), 2u);
+  robot.apply({{"type", "forgotten"}, {"peer", 0}}, 3);
+  EXPECT_EQ(robot.landmarks_version(0), 3u);
+  EXPECT_TRUE(robot.landmarks(0).empty());
+  robot.apply(hello("anna", 2), 4);
+  EXPECT_EQ(robot.landmarks_version(RobotState::kOwn), 4u);
 }
 
 }  // namespace
