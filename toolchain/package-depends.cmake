@@ -22,3 +22,8 @@ endif()
 if(EXISTS ${build}/tools/zenith)
   find_depends(CPACK_DEBIAN_TOOLS_PACKAGE_DEPENDS ${build}/tools/zenith)
 endif()
+if(EXISTS ${build}/tools/ros2/zenith-ros2)
+  find_depends(CPACK_DEBIAN_ROS2_PACKAGE_DEPENDS ${build}/tools/ros2/zenith-ros2)
+  set(CPACK_DEBIAN_ROS2_PACKAGE_DEPENDS
+      "systemd (>= 247), init-system-helpers (>= 1.54), ${CPACK_DEBIAN_ROS2_PACKAGE_DEPENDS}")
+endif()

@@ -1,5 +1,6 @@
-# Debian packages, made by CPack: `./dev package`. Two of them: zenith is the daemon, with what systemd
-# and udev need to know of it; zenith-tools is the command line tool.
+# Debian packages, made by CPack: `./dev package`. zenith is the daemon, with what systemd and udev
+# need to know of it; zenith-tools is the command line tool; zenith-ros2, where Cyclone DDS is, the
+# bridge to ROS 2.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME zenith)
 set(CPACK_PACKAGE_CONTACT "The Zenith maintainers <maintainers@zenith.invalid>")
@@ -9,6 +10,9 @@ set(CPACK_STRIP_FILES ON)
 set(CPACK_COMPONENTS_ALL daemon)
 if(ZENITH_TOOLS)
   list(APPEND CPACK_COMPONENTS_ALL tools)
+endif()
+if(TARGET zenith-ros2)
+  list(APPEND CPACK_COMPONENTS_ALL ros2)
 endif()
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
@@ -42,5 +46,16 @@ set(CPACK_DEBIAN_TOOLS_PACKAGE_SUGGESTS zenith)
 set(CPACK_COMPONENT_TOOLS_DESCRIPTION
 "zenith diagnoses a robot, makes the key of a fleet, records what a robot sees,
 maps recordings, and simulates robots for whoever has none.")
+
+set(CPACK_DEBIAN_ROS2_PACKAGE_NAME zenith-ros2)
+set(CPACK_DEBIAN_ROS2_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_ROS2_PACKAGE_RECOMMENDS zenith)
+set(CPACK_COMPONENT_ROS2_DESCRIPTION
+"zenith-ros2 publishes what the daemon tells of its robot as topics of ROS 2,
+over Cyclone DDS: odometry, pose, transforms, the map as a point cloud, other
+robots' maps, and diagnostics. ROS 2 itself is not needed on the robot.")
+set(CPACK_DEBIAN_ROS2_PACKAGE_CONTROL_EXTRA
+  ${maintainer_scripts}-ros2/postinst ${maintainer_scripts}-ros2/prerm
+  ${maintainer_scripts}-ros2/postrm ${maintainer_scripts}-ros2/conffiles)
 
 include(CPack)

@@ -13,9 +13,9 @@ namespace {
 // What Debian or a board brings.
 const std::set<std::string>& other_programs() {
   static const std::set<std::string> all = {
-      "apt", "cansend", "cat",       "chmod",    "chown",      "cmake",    "config-pin",
-      "cp",  "curl",    "install",   "ip",       "journalctl", "mkdir",    "mv",
-      "scp", "ssh",     "systemctl", "sudoedit", "networkctl", "v4l2-ctl", "candump"};
+      "apt",  "cansend",   "cat",      "chmod",      "chown",    "cmake",  "config-pin", "cp",
+      "curl", "install",   "ip",       "journalctl", "mkdir",    "mv",     "ros2",       "scp",
+      "ssh",  "systemctl", "sudoedit", "networkctl", "v4l2-ctl", "candump"};
   return all;
 }
 
@@ -120,6 +120,11 @@ std::string what_is_unknown(const ShellCommand& command, const std::string& dev)
   if (name == "zenith") return unknown_option(command, ZENITH_TOOL);
   if (name == "zenithd") return unknown_option(command, ZENITHD);
   if (name == "zenithd-sim") return unknown_option(command, ZENITHD_SIM);
+#ifdef ZENITH_ROS2
+  if (name == "zenith-ros2") return unknown_option(command, ZENITH_ROS2);
+#else
+  if (name == "zenith-ros2") return "";  // not built: what it knows is not known
+#endif
   if (first == "./dev") {
     std::string line = dev + " --only-look";
     for (std::size_t i = 1; i < command.words.size(); ++i) line += " '" + command.words[i] + "'";
