@@ -70,13 +70,15 @@ TEST_P(UnitTest, IsGuardedAsFarAsTheDaemonsNeedsAllow) {
   EXPECT_LE(exposure, 2.0) << said.text;
 }
 
+std::string short_name(const testing::TestParamInfo<const char*>& unit) {
+  constexpr const char* kNames[] = {"Single", "Instance", "Ros2"};
+  return kNames[unit.index];
+}
+
 INSTANTIATE_TEST_SUITE_P(Units, UnitTest,
                          testing::Values("zenithd.service", "zenithd@.service",
                                          "zenith-ros2.service"),
-                         [](const auto& unit) {
-                           constexpr const char* kNames[] = {"Single", "Instance", "Ros2"};
-                           return std::string(kNames[unit.index]);
-                         });
+                         short_name);
 
 TEST(Packaging, ManualPageAndHelpKnowTheSameCommands) {
   const std::string help = run(std::string(ZENITH_TOOL) + " --help").text;

@@ -26,6 +26,7 @@ std::map<int, std::string> owners(const RobotState& state) {
     if (key.rfind("alignment/", 0) != 0 && key.rfind("peer/", 0) != 0) continue;
     const auto slot = line.find("peer");
     if (slot == line.end() || !slot->is_number_integer() || *slot < 0) continue;
+    if (line.value("name", "") == tools::kEarlierSession) continue;
     out[slot->get<int>()] = line.value("name", "");
   }
   return out;
@@ -97,7 +98,7 @@ void Bridge::hear(std::size_t number, const json& line) {
   if (robot.topics == nullptr) return;
   if (type == "pose") {
     tell_motion(robot, line);
-  } else if (type == "alignment") {
+  } else if (type == "alignment" && line.value("name", "") != tools::kEarlierSession) {
     note(robot.topics->tell_alignment(system_stamp(line, robot.system_offset_ns), line));
   } else if (type == "radio") {
     state_.read([&](const std::vector<RobotState>& states) {

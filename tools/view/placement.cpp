@@ -3,9 +3,6 @@
 namespace zenith::tools {
 namespace {
 
-// Each robot's own map of an earlier run has this name, and is another one for each.
-constexpr std::string_view kPastSelf = "past self";
-
 struct Edge {
   std::string own;
   std::string peer;
@@ -21,6 +18,7 @@ std::vector<Edge> merges(const std::vector<RobotState>& robots) {
       const auto& pose = line.value("pose", nlohmann::json::array());
       if (line.value("state", "") != "merged" || pose.size() != 3) continue;
       std::string peer = key.substr(kAlignment.size());
+      if (peer == kEarlierSession) continue;
       if (peer == kPastSelf) peer = robot.name() + " " + peer;
       edges.push_back({robot.name(), std::move(peer), {pose[0], pose[1], pose[2]}});
     }

@@ -3,6 +3,7 @@
 
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "slam/geometry.h"
@@ -10,8 +11,14 @@
 
 namespace zenith::tools {
 
+// A robot's own maps of earlier runs, as zenithd calls them: the one that it goes on with, one for
+// each robot, and what was cut short before, of which there may be several.
+inline constexpr std::string_view kPastSelf = "past self";
+inline constexpr std::string_view kEarlierSession = "earlier session";
+
 // By name; the robot `first` lies at the origin, robots that nobody has merged with are missing.
-// Peers that do not tell themselves are there, too, and a robot's stored map as "anna past self".
+// Peers that do not tell themselves are there, too, and a robot's stored map as "anna past self";
+// its earlier sessions are not.
 std::map<std::string, Pose2> place_starts(const std::vector<RobotState>& robots,
                                           std::size_t first = 0);
 

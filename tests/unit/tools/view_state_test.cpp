@@ -225,7 +225,10 @@ TEST(PlaceStarts, FollowsMergesFromTheFirstRobot) {
 // Two robots that have found themselves in their stored maps have not found each other.
 TEST(PlaceStarts, StoredMapsJoinNoRobots) {
   std::vector<RobotState> robots = {RobotState("anna"), RobotState("bert")};
-  for (RobotState& robot : robots) robot.apply(alignment("past self", "merged", 0.9), 1);
+  for (RobotState& robot : robots) {
+    robot.apply(alignment("past self", "merged", 0.9), 1);
+    robot.apply(alignment("earlier session", "merged", 0.9), 2);
+  }
   const auto placed = place_starts(robots);
   EXPECT_EQ(placed.size(), 2u);
   EXPECT_EQ(placed.count("bert"), 0u);
