@@ -105,5 +105,28 @@ TEST(Packaging, TheShellCompletesCommandsAndOptions) {
   EXPECT_THAT(run(complete + "3 calibrate lens --c").text, HasSubstr("--camera"));
 }
 
+#ifdef ZENITH_ROS2
+TEST(Packaging, TheBridgesPageAndCompletionKnowTheOptionsOfItsHelp) {
+  const std::string help = run(std::string(ZENITH_ROS2) + " --help").text;
+  const std::string page = std::regex_replace(
+      read_text(ZENITH_SOURCE_DIR "/docs/man/zenith-ros2.1"), std::regex("\\\\-"), "-");
+  const std::string complete =
+      "bash -c 'source " ZENITH_SOURCE_DIR
+      "/tools/completion/zenith-ros2; COMP_CWORD=$0; COMP_WORDS=(" ZENITH_ROS2
+      " \"$@\"); _zenith_ros2; echo \"${COMPREPLY[*]}\"' ";
+  const std::string completed = run(complete + "1 --").text;
+  int count = 0;
+  const std::regex option("--[a-z][a-z-]*");
+  const std::string options = help.substr(0, help.find("Examples:"));
+  for (std::sregex_iterator at(options.begin(), options.end(), option), end; at != end; ++at) {
+    EXPECT_THAT(page, HasSubstr(at->str()));
+    EXPECT_THAT(completed, HasSubstr(at->str()));
+    ++count;
+  }
+  EXPECT_GE(count, 9);
+  EXPECT_EQ(run(complete + "2 --names al").text, "always\n");
+}
+#endif
+
 }  // namespace
 }  // namespace zenith
