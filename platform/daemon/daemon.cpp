@@ -169,8 +169,9 @@ void keep_map(MapKeeper& keeper, const Perception& perception, const std::atomic
 int run_daemon(const DaemonConfig& config, const std::filesystem::path& file,
                MakeDevices make_devices, Signals& signals) {
   process_log().set_level(config.log_level());
-  log_line(LogLevel::kNotice, "zenithd %s: robot %s, configuration %s", kVersion,
-           config.name.c_str(), file.c_str());
+  process_log().name_robot(config.name);
+  log_line(LogLevel::kNotice, LogFields("started"), "zenithd %s: robot %s, configuration %s",
+           kVersion, config.name.c_str(), file.c_str());
   ServiceNotify notify;
   if (const Status opened = notify.open_from_environment(); !opened) {
     log_lines(LogLevel::kWarning, opened.error().message);
@@ -244,9 +245,9 @@ int run_daemon(const DaemonConfig& config, const std::filesystem::path& file,
   if (started) {
     housekeeping.start(monotonic_now());
     tell_ready(notify);
-    log_line(LogLevel::kNotice, "ready");
+    log_line(LogLevel::kNotice, LogFields("ready"), "ready");
     serve(housekeeping, signals);
-    log_line(LogLevel::kNotice, "stopping");
+    log_line(LogLevel::kNotice, LogFields("stopping"), "stopping");
   }
   (void)notify.stopping();
   if (!threads->stop(monotonic_now())) leave_without_threads();

@@ -15,7 +15,9 @@ void Reopener::note(const Status& opened, Time now) {
   if (error == last_error_ && now - told_ < kRepeat) return;
   last_error_ = error;
   told_ = now;
-  log_line(LogLevel::kWarning, "%s: %s; trying again", what_, error.c_str());
+  LogFields fields("device-missing");
+  fields.text("ZENITH_DEVICE", what_);
+  log_line(LogLevel::kWarning, fields, "%s: %s; trying again", what_, error.c_str());
 }
 
 void DeviceKeeper::run(const std::atomic<bool>& stop) {
@@ -36,7 +38,8 @@ void DeviceKeeper::tend_camera(Time now) {
   const Status opened = camera_.open();
   camera_tries_.note(opened, monotonic_now());
   if (!opened) return;
-  log_line(LogLevel::kNotice, "camera: %s", camera_.description().c_str());
+  log_line(LogLevel::kNotice, LogFields("camera-opened"), "camera: %s",
+           camera_.description().c_str());
   for (const std::string& warning : camera_.warnings()) {
     log_line(LogLevel::kWarning, "camera: %s", warning.c_str());
   }
@@ -48,7 +51,7 @@ void DeviceKeeper::tend_can(Time now) {
   const Status opened = can_.open();
   can_tries_.note(opened, monotonic_now());
   if (!opened) return;
-  log_line(LogLevel::kNotice, "CAN bus: %s", can_.description().c_str());
+  log_line(LogLevel::kNotice, LogFields("can-opened"), "CAN bus: %s", can_.description().c_str());
   can_turn_.give_to_perception();
 }
 

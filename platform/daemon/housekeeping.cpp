@@ -1,6 +1,7 @@
 #include "platform/daemon/housekeeping.h"
 
 #include <algorithm>
+#include <cinttypes>
 #include <utility>
 
 #include "platform/daemon/picture_lines.h"
@@ -28,6 +29,44 @@ std::string join(const std::vector<std::string>& words) {
   std::string text;
   for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
   return text;
+}
+
+const char* event_name(PerceptionEventKind kind) {
+  switch (kind) {
+    case PerceptionEventKind::kFirstPose:
+      return "first-pose";
+    case PerceptionEventKind::kCameraLost:
+      return "camera-lost";
+    case PerceptionEventKind::kCanLost:
+      return "can-lost";
+    case PerceptionEventKind::kBusOff:
+      return "can-bus-off";
+    case PerceptionEventKind::kBusBack:
+      return "can-bus-back";
+    case PerceptionEventKind::kMerged:
+      return "merged";
+    case PerceptionEventKind::kWithdrawn:
+      return "withdrawn";
+    case PerceptionEventKind::kShedding:
+      return "load-shed";
+    case PerceptionEventKind::kShedNoMore:
+      return "load-shed-no-more";
+  }
+  return "";
+}
+
+// `peer`: whose map it is about, if it is about one.
+LogFields fields_of(const PerceptionEvent& event, const char* peer) {
+  LogFields fields(event_name(event.kind));
+  if (event.kind == PerceptionEventKind::kShedding) fields.number("ZENITH_CORNERS", event.value);
+  const bool merged = event.kind == PerceptionEventKind::kMerged;
+  if (merged || event.kind == PerceptionEventKind::kWithdrawn) fields.text("ZENITH_PEER", peer);
+  if (merged) {
+    fields.number("ZENITH_X_M", event.pose.x_m)
+        .number("ZENITH_Y_M", event.pose.y_m)
+        .number("ZENITH_THETA_RAD", event.pose.theta_rad);
+  }
+  return fields;
 }
 
 }  // namespace
@@ -94,42 +133,44 @@ void Housekeeping::tick(Time now) {
 }
 
 void Housekeeping::log_event(const PerceptionEvent& event) const {
+  const LogFields fields = fields_of(event, link_.name_of(event.peer));
   switch (event.kind) {
     case PerceptionEventKind::kFirstPose:
-      return log_line(LogLevel::kNotice, "first pose");
+      return log_line(LogLevel::kNotice, fields, "first pose");
     case PerceptionEventKind::kCameraLost:
-      return log_line(LogLevel::kWarning, "camera lost: %s; opening it again", event.text);
+      return log_line(LogLevel::kWarning, fields, "camera lost: %s; opening it again", event.text);
     case PerceptionEventKind::kCanLost:
-      return log_line(LogLevel::kWarning, "CAN bus lost: %s; opening it again", event.text);
+      return log_line(LogLevel::kWarning, fields, "CAN bus lost: %s; opening it again", event.text);
     case PerceptionEventKind::kBusOff:
-      return log_line(LogLevel::kWarning, "the CAN controller left the bus (bus-off)");
+      return log_line(LogLevel::kWarning, fields, "the CAN controller left the bus (bus-off)");
     case PerceptionEventKind::kBusBack:
-      return log_line(LogLevel::kNotice, "the CAN controller is back on the bus");
+      return log_line(LogLevel::kNotice, fields, "the CAN controller is back on the bus");
     case PerceptionEventKind::kMerged:
       if (event.peer == kPastSlot) {
         return log_line(
-            LogLevel::kNotice,
+            LogLevel::kNotice, fields,
             "found itself in the stored map, whose origin lies at %.2f %.2f m, %.3f rad",
             event.pose.x_m, event.pose.y_m, event.pose.theta_rad);
       }
       if (event.peer >= kPeerSlots) {
-        return log_line(LogLevel::kNotice, "found itself in the map of an earlier session");
+        return log_line(LogLevel::kNotice, fields, "found itself in the map of an earlier session");
       }
-      return log_line(
-          LogLevel::kNotice, "merged with robot %s: its start lies at %.2f %.2f m, %.3f rad",
-          link_.name_of(event.peer), event.pose.x_m, event.pose.y_m, event.pose.theta_rad);
+      return log_line(LogLevel::kNotice, fields,
+                      "merged with robot %s: its start lies at %.2f %.2f m, %.3f rad",
+                      link_.name_of(event.peer), event.pose.x_m, event.pose.y_m,
+                      event.pose.theta_rad);
     case PerceptionEventKind::kWithdrawn:
       if (event.peer >= kPeerSlots) {
-        return log_line(LogLevel::kWarning, "it is not where it believed in the %s map",
+        return log_line(LogLevel::kWarning, fields, "it is not where it believed in the %s map",
                         event.peer == kPastSlot ? "stored" : "earlier session's");
       }
-      return log_line(LogLevel::kWarning, "the merge with robot %s is withdrawn",
+      return log_line(LogLevel::kWarning, fields, "the merge with robot %s is withdrawn",
                       link_.name_of(event.peer));
     case PerceptionEventKind::kShedding:
-      return log_line(LogLevel::kWarning, "a step takes too long: %d corners for each frame",
-                      event.value);
+      return log_line(LogLevel::kWarning, fields,
+                      "a step takes too long: %d corners for each frame", event.value);
     case PerceptionEventKind::kShedNoMore:
-      return log_line(LogLevel::kNotice, "steps are quick enough again: all corners");
+      return log_line(LogLevel::kNotice, fields, "steps are quick enough again: all corners");
   }
 }
 
@@ -279,7 +320,8 @@ void Housekeeping::reload(Time now) {
   note_manager(notify_.reloading(now));
   auto read = read_daemon_config(file_);
   if (!read) {
-    log_line(LogLevel::kError, "the configuration stays as it was; %s is wrong:", file_.c_str());
+    log_line(LogLevel::kError, LogFields("configuration-wrong"),
+             "the configuration stays as it was; %s is wrong:", file_.c_str());
     log_lines(LogLevel::kError, read.error().message);
   } else {
     const auto taken = changed_keys(config_, *read, true);
@@ -291,7 +333,7 @@ void Housekeeping::reload(Time now) {
     process_log().set_level(config_.log_level());
     perception_.set_live(live_settings(config_));
     if (new_lights) make_lights(config_.leds);
-    log_line(LogLevel::kNotice, "configuration read again: %s",
+    log_line(LogLevel::kNotice, LogFields("configuration-read"), "configuration read again: %s",
              taken.empty() ? "nothing that may change now has changed" : join(taken).c_str());
     if (!waiting.empty()) {
       log_line(LogLevel::kWarning, "changed, but needs a restart: %s", join(waiting).c_str());
@@ -322,10 +364,16 @@ void Housekeeping::reload_keys() {
 void Housekeeping::finish(Time now) {
   log_events();
   const Deadlines& d = perception_.deadlines();
-  log_line(LogLevel::kNotice, "frames in time %llu, late %llu, of these for want of a CPU %llu",
-           static_cast<unsigned long long>(d.met.load(std::memory_order_relaxed)),
-           static_cast<unsigned long long>(d.missed.load(std::memory_order_relaxed)),
-           static_cast<unsigned long long>(d.explained.load(std::memory_order_relaxed)));
+  const std::uint64_t met = d.met.load(std::memory_order_relaxed);
+  const std::uint64_t missed = d.missed.load(std::memory_order_relaxed);
+  const std::uint64_t explained = d.explained.load(std::memory_order_relaxed);
+  LogFields fields("frames-counted");
+  fields.number("ZENITH_IN_TIME", static_cast<double>(met))
+      .number("ZENITH_LATE", static_cast<double>(missed))
+      .number("ZENITH_LATE_FOR_CPU", static_cast<double>(explained));
+  log_line(LogLevel::kNotice, fields,
+           "frames in time %" PRIu64 ", late %" PRIu64 ", of these for want of a CPU %" PRIu64, met,
+           missed, explained);
   log_line(LogLevel::kInfo, "kernel's wake-up: %s", d.wake_up.text().c_str());
   log_line(LogLevel::kInfo, "step: %s", d.step.text().c_str());
   log_line(LogLevel::kInfo, "computed in it: %s", d.compute.text().c_str());

@@ -69,7 +69,7 @@ void MapKeeper::finish(Time now, std::span<const PeerReport> peers) {
 }
 
 void MapKeeper::leave_main() {
-  log_line(LogLevel::kWarning,
+  log_line(LogLevel::kWarning, LogFields("map-left"),
            "stored map: not recognised, and %zu new landmarks were found: this is another place",
            now_.size());
   const Status left = shelf_.leave_main();
@@ -86,7 +86,10 @@ void MapKeeper::save(Time now, std::span<const PeerReport> peers) {
     members_ = members_now_;
     found_ = found;
     next_refinement_ = now + Duration{interval_.ns * kRefinementWaits};
-    if (told_.failing) log_line(LogLevel::kNotice, "stored map: checkpoints are written again");
+    if (told_.failing) {
+      log_line(LogLevel::kNotice, LogFields("map-kept-again"),
+               "stored map: checkpoints are written again");
+    }
     told_.place.assign(shelf_.written_name());
     told_.checkpoint = shelf_.written().head.checkpoint;
     told_.landmarks = static_cast<std::uint32_t>(shelf_.written().landmarks.size());
@@ -96,7 +99,8 @@ void MapKeeper::save(Time now, std::span<const PeerReport> peers) {
   } else {
     ++told_.failed;
     if (saved.error().message != told_.error.view()) {
-      log_line(LogLevel::kError, "the map cannot be kept: %s", saved.error().message.c_str());
+      log_line(LogLevel::kError, LogFields("map-not-kept"), "the map cannot be kept: %s",
+               saved.error().message.c_str());
     }
     told_.error.assign(saved.error().message);
   }

@@ -56,35 +56,61 @@ exchange::OwnAlignment own_alignment(const PeerReport& report) {
   return own;
 }
 
+const char* event_name(LinkEventKind kind) {
+  switch (kind) {
+    case LinkEventKind::kFound:
+      return "peer-found";
+    case LinkEventKind::kRestarted:
+      return "peer-restarted";
+    case LinkEventKind::kSilent:
+      return "peer-silent";
+    case LinkEventKind::kLeft:
+      return "peer-left";
+    case LinkEventKind::kQuarantined:
+      return "peer-quarantined";
+    case LinkEventKind::kOtherVersion:
+      return "peer-other-version";
+    case LinkEventKind::kNameConflict:
+      return "peer-name-conflict";
+    case LinkEventKind::kNoRoom:
+      return "peer-no-room";
+  }
+  return "";
+}
+
 void log_event(const LinkEvent& event) {
   const std::string address = endpoint_text(event.address);
   const char* name = event.name.empty() ? "?" : event.name.c_str();
+  LogFields fields(event_name(event.kind));
+  fields.text("ZENITH_PEER", name);
   switch (event.kind) {
     case LinkEventKind::kFound:
-      return log_line(LogLevel::kNotice, "robot %s found at %s", name, address.c_str());
+      return log_line(LogLevel::kNotice, fields, "robot %s found at %s", name, address.c_str());
     case LinkEventKind::kRestarted:
-      return log_line(LogLevel::kNotice, "robot %s began anew, at %s", name, address.c_str());
+      return log_line(LogLevel::kNotice, fields, "robot %s began anew, at %s", name,
+                      address.c_str());
     case LinkEventKind::kSilent:
-      return log_line(LogLevel::kNotice, "robot %s is silent; its map stays", name);
+      return log_line(LogLevel::kNotice, fields, "robot %s is silent; its map stays", name);
     case LinkEventKind::kLeft:
-      return log_line(LogLevel::kNotice, "robot %s said goodbye; its map stays", name);
+      return log_line(LogLevel::kNotice, fields, "robot %s said goodbye; its map stays", name);
     case LinkEventKind::kQuarantined:
-      return log_line(LogLevel::kWarning,
+      return log_line(LogLevel::kWarning, fields,
                       "robot %s at %s makes too many faults: its map is withdrawn, and it is not "
                       "listened to for a while",
                       name, address.c_str());
     case LinkEventKind::kOtherVersion:
-      return log_line(LogLevel::kWarning,
+      return log_line(LogLevel::kWarning, fields,
                       "a robot at %s speaks version %d of the protocol, this one %d: they cannot "
                       "work together",
                       address.c_str(), event.value, kProtocolVersion);
     case LinkEventKind::kNameConflict:
-      return log_line(LogLevel::kWarning,
+      return log_line(LogLevel::kWarning, fields,
                       "two robots have the name %s, one of them at %s: give one another robot.name",
                       name, address.c_str());
     case LinkEventKind::kNoRoom:
-      return log_line(LogLevel::kWarning, "a robot at %s is one too many: %d are heard at most",
-                      address.c_str(), kMaxSessions);
+      return log_line(LogLevel::kWarning, fields,
+                      "a robot at %s is one too many: %d are heard at most", address.c_str(),
+                      kMaxSessions);
   }
 }
 

@@ -55,14 +55,16 @@ void mark_cut(char* text) {
 void Log::write(LogLevel level, const char* format, ...) {
   va_list arguments;
   va_start(arguments, format);
-  write(level, monotonic_now(), format, arguments);
+  write(level, monotonic_now(), {}, format, arguments);
   va_end(arguments);
 }
 
-void Log::write(LogLevel level, Time now, const char* format, va_list arguments) {
+void Log::write(LogLevel level, Time now, const LogFields& fields, const char* format,
+                va_list arguments) {
   if (!would_log(level) || !passes(level, format, now)) return;
   Record record;
   record.level = level;
+  record.fields = fields;
   const int length = std::vsnprintf(record.text.data(), kTextBytes, format, arguments);
   if (length < 0) std::snprintf(record.text.data(), kTextBytes, "%s", format);
   if (length >= static_cast<int>(kTextBytes)) mark_cut(record.text.data());
@@ -107,7 +109,7 @@ std::size_t Log::drain(Time now) {
   Record record;
   // A bound, so that writers faster than stderr do not keep the caller here.
   for (std::size_t i = 0; i < kQueued && queue_.pop(record); ++i) {
-    put(record.level, record.text.data());
+    put(record.level, record.text.data(), record.fields);
   }
   tell_lost();
   tell_suppressed(now);
@@ -121,7 +123,7 @@ void Log::tell_lost() {
   std::snprintf(text, sizeof(text), "%" PRIu64 " log lines were lost: more than %zu were waiting",
                 lost - told_lost_, kQueued);
   told_lost_ = lost;
-  put(LogLevel::kWarning, text);
+  put(LogLevel::kWarning, text, LogFields("log-lines-lost"));
 }
 
 void Log::tell_suppressed(Time now) {
@@ -135,11 +137,28 @@ void Log::tell_suppressed(Time now) {
     std::snprintf(text, sizeof(text), "%" PRIu32 " more lines like this were left out: %s", count,
                   site.format.load(kRelaxed));
     make_one_line(text);
-    put(site.level.load(kRelaxed), text);
+    put(site.level.load(kRelaxed), text, LogFields("log-lines-left-out"));
   }
 }
 
-void Log::put(LogLevel level, const char* text) {
+bool Log::put_entry(LogLevel level, const char* text, const LogFields& fields) const {
+  if (!journal_.is_open()) return false;
+  JournalEntry entry;
+  entry.text("MESSAGE", text);
+  entry.number("PRIORITY", static_cast<int>(level));
+  entry.text("SYSLOG_IDENTIFIER", program_invocation_short_name);
+  if (!robot_.empty()) entry.text("ZENITH_ROBOT", robot_.view());
+  if (*fields.event() != '\0') entry.text("ZENITH_EVENT", fields.event());
+  if (*fields.text_name() != '\0') entry.text(fields.text_name(), fields.text_value());
+  for (const LogFields::Number& n : fields.numbers()) entry.number(n.name, n.value);
+  return journal_.send(entry);
+}
+
+void Log::put(LogLevel level, const char* text, const LogFields& fields) {
+  if (put_entry(level, text, fields)) {
+    ++written_;
+    return;
+  }
   char line[kTextBytes + 64];
   const char* resume = mid_line_ ? "\n" : "";
   int length = 0;
@@ -190,16 +209,27 @@ bool is_journal(int fd, const char* journal_stream) {
 }
 
 Log& process_log() {
-  static Log log(STDERR_FILENO, is_journal(STDERR_FILENO, std::getenv("JOURNAL_STREAM"))
-                                    ? LogStyle::kJournal
-                                    : LogStyle::kPerson);
+  static const bool journal = is_journal(STDERR_FILENO, std::getenv("JOURNAL_STREAM"));
+  static Log log(STDERR_FILENO, journal ? LogStyle::kJournal : LogStyle::kPerson);
+  static const bool used = [] {
+    if (journal) log.use_journal(kJournalSocket);
+    return true;
+  }();
+  (void)used;
   return log;
 }
 
 void log_line(LogLevel level, const char* format, ...) {
   va_list arguments;
   va_start(arguments, format);
-  process_log().write(level, monotonic_now(), format, arguments);
+  process_log().write(level, monotonic_now(), {}, format, arguments);
+  va_end(arguments);
+}
+
+void log_line(LogLevel level, const LogFields& fields, const char* format, ...) {
+  va_list arguments;
+  va_start(arguments, format);
+  process_log().write(level, monotonic_now(), fields, format, arguments);
   va_end(arguments);
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// The log of the daemon: lines on stderr, for journald or a person.
+// The log of the daemon: lines on stderr for a person, or entries with fields for journald.
 //
 // Every thread may log, also one with deadlines: a line is formatted on the caller's stack and goes
 // through a bounded queue; no lock, no heap, no system call but the clock's. One thread without
@@ -15,6 +15,8 @@
 #include <cstdint>
 
 #include "platform/base/time.h"
+#include "platform/linux/journal.h"
+#include "platform/linux/log_fields.h"
 #include "platform/linux/mpsc_queue.h"
 
 namespace zenith {
@@ -47,14 +49,20 @@ class Log {
   // `fd` stays the caller's.
   Log(int fd, LogStyle style) : fd_(fd), style_(style) {}
 
+  // From now on entries with fields go to the journal; lines to `fd` only when it takes them not.
+  // Before other threads log, as name_robot().
+  void use_journal(const std::string& socket) { journal_ = JournalSocket(socket); }
+  // ZENITH_ROBOT of all entries.
+  void name_robot(std::string_view name) { robot_.assign(name); }
+
   // Less important lines are dropped at once. At first kInfo.
   void set_level(LogLevel least) { least_.store(least, std::memory_order_relaxed); }
   bool would_log(LogLevel level) const { return level <= least_.load(std::memory_order_relaxed); }
 
   // Any thread. printf's formats, without precisions in the hundreds (glibc then allocates).
   void write(LogLevel level, const char* format, ...) __attribute__((format(printf, 3, 4)));
-  void write(LogLevel level, Time now, const char* format, va_list arguments)
-      __attribute__((format(printf, 4, 0)));
+  void write(LogLevel level, Time now, const LogFields& fields, const char* format,
+             va_list arguments) __attribute__((format(printf, 5, 0)));
 
   // One thread: writes what is queued, tells what was lost or suppressed. Returns how many lines.
   std::size_t drain(Time now);
@@ -65,6 +73,7 @@ class Log {
   struct Record {
     std::array<char, kTextBytes> text;
     LogLevel level = LogLevel::kInfo;
+    LogFields fields;
   };
   // How often a format was logged in its window. All fields are atomics of their own: figures of a
   // site that two threads use at the same moment may be off by a line.
@@ -81,11 +90,14 @@ class Log {
   bool passes(LogLevel level, const char* format, Time now);
   void tell_suppressed(Time now);
   void tell_lost();
-  void put(LogLevel level, const char* text);
+  void put(LogLevel level, const char* text, const LogFields& fields);
+  bool put_entry(LogLevel level, const char* text, const LogFields& fields) const;
   bool put_bytes(const char* bytes, std::size_t count);
 
   const int fd_;
   const LogStyle style_;
+  JournalSocket journal_;
+  FixedText<63> robot_;
   std::atomic<LogLevel> least_ = LogLevel::kInfo;
   std::atomic<std::uint64_t> lost_ = 0;
   std::atomic<std::uint64_t> suppressed_ = 0;
@@ -98,12 +110,15 @@ class Log {
   MpscQueue<Record, kQueued> queue_;
 };
 
-// The process's log on stderr: journald's style when stderr goes there (JOURNAL_STREAM names it).
+// The process's log on stderr: when that goes to journald (JOURNAL_STREAM names it), entries with
+// fields through the journal's own socket.
 // Made at the first call: make it before threads with deadlines start.
 Log& process_log();
 
 // Into process_log().
 void log_line(LogLevel level, const char* format, ...) __attribute__((format(printf, 2, 3)));
+void log_line(LogLevel level, const LogFields& fields, const char* format, ...)
+    __attribute__((format(printf, 3, 4)));
 
 // Whether `journal_stream` ("device:inode", or nullptr) names the file that `fd` is.
 bool is_journal(int fd, const char* journal_stream);

@@ -121,7 +121,7 @@ TEST_F(LogTest, AFullQueueCountsAndTells) {
   const auto write = [this](const char* format, ...) {
     va_list none;
     va_start(none, format);
-    log_->write(LogLevel::kInfo, monotonic_now(), format, none);
+    log_->write(LogLevel::kInfo, monotonic_now(), {}, format, none);
     va_end(none);
   };
   for (const std::string& format : kFormats) write(format.c_str());
@@ -141,7 +141,7 @@ class LogRateTest : public LogTest {
   void at(Time now, const char* format, ...) __attribute__((format(printf, 3, 4))) {
     va_list arguments;
     va_start(arguments, format);
-    log_->write(LogLevel::kWarning, now, format, arguments);
+    log_->write(LogLevel::kWarning, now, {}, format, arguments);
     va_end(arguments);
   }
   static constexpr Time kStart = {1'000'000'000'000};
