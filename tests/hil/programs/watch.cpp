@@ -6,6 +6,7 @@
 #include <fstream>
 #include <map>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -34,6 +35,8 @@ CONDITION is KEY and = != >= <= > < and a value; KEY is type.name: health.camera
   --truth PLAY       adds error_m and error_deg to pose lines: against the play's truth;
   --origin FILE      when the play began, written by hil-play
   --peer-truth PLAY  adds error_m and error_deg to alignment lines
+  --map-truth PLAY   adds map_error_m and map_error_deg to pose lines with a map_pose: the stored map was
+                     begun where this play begins
 )";
 
 struct Options {
@@ -41,6 +44,7 @@ struct Options {
   std::string truth;
   std::string origin;
   std::string peer_truth;
+  std::string map_truth;
   std::string verb;
   std::vector<std::string> words;
 };
@@ -55,42 +59,56 @@ class Judge {
     auto truth = read_truth(options.truth);
     if (!truth) return truth.error();
     judge.truth_ = std::move(*truth);
-    if (options.peer_truth.empty()) return judge;
     const auto own = read_start(options.truth);
-    const auto peer = read_start(options.peer_truth);
     if (!own) return own.error();
-    if (!peer) return peer.error();
-    judge.T_own_peer_ = own->inverse() * *peer;
-    judge.knows_peer_ = true;
+    if (!options.peer_truth.empty()) {
+      const auto peer = read_start(options.peer_truth);
+      if (!peer) return peer.error();
+      judge.T_own_peer_ = own->inverse() * *peer;
+    }
+    if (!options.map_truth.empty()) {
+      const auto map = read_start(options.map_truth);
+      if (!map) return map.error();
+      judge.T_map_own_ = map->inverse() * *own;
+    }
     return judge;
   }
 
   void add_errors(json& line) {
     const std::string type = line.value("type", "");
-    if (!line.contains("pose") || !line["pose"].is_array() || line["pose"].size() != 3) return;
-    if (!line["pose"][0].is_number()) return;
-    const Pose2 is = {line["pose"][0], line["pose"][1], line["pose"][2]};
-    if (type == "alignment" && knows_peer_) add(line, is, T_own_peer_);
+    const auto pose = pose_of(line, "pose");
+    if (!pose) return;
+    if (type == "alignment" && T_own_peer_) add(line, *pose, *T_own_peer_, "");
     if (type != "pose" || truth_.empty()) return;
     if (origin_ns_ == 0 && !(std::ifstream(origin_file_) >> origin_ns_)) return;
     const std::int64_t time = line["stamp_ns"].get<std::int64_t>() - origin_ns_;
-    add(line, is, truth_at(truth_, time));
+    const Pose2 truth = truth_at(truth_, time);
+    add(line, *pose, truth, "");
     line["play_s"] = static_cast<double>(time) * 1e-9;
+    const auto map_pose = pose_of(line, "map_pose");
+    if (map_pose && T_map_own_) add(line, *map_pose, *T_map_own_ * truth, "map_");
   }
 
  private:
-  static void add(json& line, const Pose2& is, const Pose2& truth) {
-    line["error_m"] = std::hypot(is.x_m - truth.x_m, is.y_m - truth.y_m);
-    line["error_deg"] =
+  static std::optional<Pose2> pose_of(const json& line, const char* key) {
+    const auto value = line.find(key);
+    if (value == line.end() || !value->is_array() || value->size() != 3) return std::nullopt;
+    if (!(*value)[0].is_number()) return std::nullopt;
+    return Pose2{(*value)[0], (*value)[1], (*value)[2]};
+  }
+
+  static void add(json& line, const Pose2& is, const Pose2& truth, const std::string& what) {
+    line[what + "error_m"] = std::hypot(is.x_m - truth.x_m, is.y_m - truth.y_m);
+    line[what + "error_deg"] =
         std::abs(wrap_angle(is.theta_rad - truth.theta_rad)) * 180.0 / std::numbers::pi;
-    line["truth"] = {truth.x_m, truth.y_m, truth.theta_rad};
+    line[what + "truth"] = {truth.x_m, truth.y_m, truth.theta_rad};
   }
 
   std::vector<TruePose> truth_;
   std::string origin_file_;
   std::int64_t origin_ns_ = 0;
-  Pose2 T_own_peer_;
-  bool knows_peer_ = false;
+  std::optional<Pose2> T_own_peer_;
+  std::optional<Pose2> T_map_own_;
 };
 
 // Lines of telemetry until a moment.
@@ -220,6 +238,8 @@ bool read_options(int argc, char** argv, Options& options) {
       options.origin = argv[i + 1];
     } else if (word == "--peer-truth") {
       options.peer_truth = argv[i + 1];
+    } else if (word == "--map-truth") {
+      options.map_truth = argv[i + 1];
     } else {
       return false;
     }
