@@ -16,6 +16,7 @@ struct MapperCounters {
   std::uint64_t candidates_rejected_full = 0;
   std::uint64_t loops_closed = 0;
   std::uint64_t slips = 0;
+  std::uint64_t begun_anew = 0;  // young maps of wrong scale that were given up
 };
 
 struct StepCounters {

@@ -14,6 +14,7 @@
 #include "slam/filter/motion.h"
 #include "slam/filter/particles.h"
 #include "slam/filter/proposal.h"
+#include "slam/filter/scale_watch.h"
 #include "slam/map/association.h"
 #include "slam/map/map.h"
 #include "slam/parameters.h"
@@ -100,6 +101,7 @@ class Mapper {
                 const PoseCorrection& recent);
   void follow_old_map();
   void believe_slip();
+  void begin_anew();
   void trust_matches(const Features& features);
   void learn_calibration(const Features& features);
   void move_by_calibration(const CalibrationVector& step);
@@ -130,6 +132,9 @@ class Mapper {
   std::array<bool, kMaxCorners> corner_used_ = {};
   PoseCorrection correction_;
   bool loop_closing_ = false;
+  ScaleWatch scale_;
+  bool scale_wrong_ = false;
+  double begun_m_ = 0.0;  // travelled_m_ when the map was begun
   bool first_ = true;
   double travelled_m_ = 0.0;
   double way_share_ = 1.0;

@@ -117,7 +117,13 @@ void Mapper::associate(const Features& features) {
     correction_ =
         agree_on_pose(candidates, kPromotedRecent, feats, prior, correction_.xi, p_.gate_sigma);
   }
-  if (correction_.inliers >= 8) believe_slip();
+  if (correction_.inliers >= 8) {
+    const double wheels_m = motion_.mean.x_m;
+    scale_wrong_ = scale_.note(wheels_m, wheels_m + correction_.xi.x());
+    believe_slip();
+  } else {
+    scale_.reset();
+  }
   // Corners whose match disagrees are free for others.
   for (const Candidate& c : candidates) {
     if (c.corner >= 0 && !c.inlier) corner_used_[static_cast<std::size_t>(c.corner)] = false;

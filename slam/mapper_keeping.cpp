@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "slam/mapper.h"
 
@@ -17,6 +18,7 @@ constexpr int kMisfitPrior = 10;
 constexpr int kMisfitMemory = 50;
 constexpr double kInView_m = 1.0;  // seen within this way: not to be evicted
 constexpr int kEstablishedObservations = 10;
+constexpr double kYoung_m = 3.0;  // of the way since it was begun, a map may be given up
 constexpr double kTentativeWay_m = 1.0;  // a tentative landmark unseen for this long is forgotten
 
 }  // namespace
@@ -63,8 +65,24 @@ void Mapper::refresh_in_turn() {
   }
 }
 
+// A map whose scale is wrong never becomes right: while it is small, nothing is lost with it.
+void Mapper::begin_anew() {
+  const auto count = static_cast<int>(map_->landmarks().size());
+  for (int slot = 0; slot < count; ++slot) {
+    if (map_->info(slot).state == LandmarkState::kFree) continue;
+    map_->remove(slot);
+    ++counters_.landmarks_pruned;
+  }
+  corner_used_.fill(false);
+  begun_m_ = travelled_m_;
+  first_ = true;
+  ++counters_.begun_anew;
+}
+
 // Promotion and pruning.
 void Mapper::keep() {
+  const bool young = map_ == &own_map_ && travelled_m_ - begun_m_ < kYoung_m;
+  if (std::exchange(scale_wrong_, false) && young) begin_anew();
   refresh_in_turn();
   for (const Candidate& c : candidates_[0]) {
     LandmarkInfo& l = map_->info(c.slot);

@@ -68,6 +68,7 @@ void write_map(JsonLine& line, const StepCounters& steps) {
       .count("rejected_full", m.landmarks_rejected_full)
       .count("loops_closed", m.loops_closed)
       .count("slips", m.slips)
+      .count("begun_anew", m.begun_anew)
       .count("resamplings", m.resamplings)
       .end();
 }

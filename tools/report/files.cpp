@@ -109,6 +109,7 @@ nlohmann::json counters_json(const StepCounters& c) {
           {"odometry_extrapolated", c.odometry_extrapolated},
           {"odometry_rejected", c.odometry_rejected},
           {"slips", c.mapper.slips},
+          {"begun_anew", c.mapper.begun_anew},
           {"loops_closed", c.mapper.loops_closed},
           {"resamplings", c.mapper.resamplings},
           {"landmarks_created", c.mapper.landmarks_created},

@@ -94,6 +94,8 @@ constexpr std::array kMetrics = {
     Metric{"zenith_loops_closed_total", kCounter, "loops closed", "health", "/map/loops_closed"},
     Metric{"zenith_wheel_slips_total", kCounter, "slips of the wheels that the camera noticed",
            "health", "/map/slips"},
+    Metric{"zenith_maps_begun_anew_total", kCounter, "young maps of wrong scale that were given up",
+           "health", "/map/begun_anew"},
     Metric{"zenith_corners_limit", kGauge, "corners of a frame that are taken at most", "health",
            "/load/corners_max"},
     Metric{"zenith_frames_shed_total", kCounter, "frames with fewer corners than configured",
