@@ -18,7 +18,7 @@ constexpr int kMisfitPrior = 10;
 constexpr int kMisfitMemory = 50;
 constexpr double kInView_m = 1.0;  // seen within this way: not to be evicted
 constexpr int kEstablishedObservations = 10;
-constexpr double kYoung_m = 3.0;  // of the way since it was begun, a map may be given up
+constexpr double kYoung_m = 3.0;         // of the way since it was begun, a map may be given up
 constexpr double kTentativeWay_m = 1.0;  // a tentative landmark unseen for this long is forgotten
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <utility>
 
 #include "drivers/camera/v4l2_controls.h"
 #include "drivers/camera/v4l2_enumerate.h"
@@ -91,6 +92,7 @@ Status V4l2Camera::start() {
   if (!streams) return streams;
   stamps_.new_stream();
   sequence_.reset();
+  begun_ = false;
   period_ = Duration::from_seconds(1.0 / rate_hz);
   stall_ = Duration::from_seconds(std::max(settings_.stall_s, kStallPeriods / rate_hz));
   patience_ = std::max(stall_, Duration::from_seconds(settings_.first_frame_s));
@@ -128,6 +130,9 @@ bool V4l2Camera::give_back_held() {
 }
 
 // Takes all that is finished and keeps the newest good frame. False when the camera is lost.
+//
+// The first frame of a stream is passed over: loop-back devices give the last picture of an earlier
+// stream with a stamp of now, and sensors have not settled yet.
 bool V4l2Camera::drain() {
   for (taken_at_once_ = 0;; ++taken_at_once_) {
     V4l2Taken taken;
@@ -137,11 +142,13 @@ bool V4l2Camera::drain() {
       lose(loss_of(-result));
       return false;
     }
-    const FrameSequence::Step step = sequence_.advance(taken.sequence);
+    const bool first = !std::exchange(begun_, true);
+    FrameSequence::Step step;
+    if (!first) step = sequence_.advance(taken.sequence);
     counters_.lost_in_driver += step.lost;
     const bool damaged = taken.error || taken.bytes < agreed_.needed_bytes;
-    if (damaged) {
-      ++counters_.damaged;
+    if (damaged || first) {
+      if (damaged) ++counters_.damaged;
       const int queued = stream_.give_back(taken.index);
       if (queued >= 0) continue;
       lose(loss_of(-queued));

@@ -64,6 +64,7 @@ class V4l2Camera final : public Camera {
   Duration stall_;
   Duration patience_;  // until the next good frame: longer before the first
   Time last_alive_;
+  bool begun_ = false;  // the stream's first frame has passed
   bool holds_ = false;  // held_ was taken from the driver
   V4l2Taken held_;
   std::uint64_t held_number_ = 0;

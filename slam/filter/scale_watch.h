@@ -1,8 +1,8 @@
 #pragma once
-// Whether the wheels and the map's landmarks tell the same distances. All depths of a map come from its
-// first baselines: when one of them was wrong, for a frame carried another frame's stamp or the wheels
-// were missing, the map is too small or too large by one factor, agrees with itself, and makes the
-// wheels look as if they slipped for ever. Wheels that do slip do so by changing factors.
+// Whether the wheels and the map's landmarks tell the same distances. All depths of a map come from
+// its first baselines: when one of them was wrong, for a frame carried another frame's stamp or the
+// wheels were missing, the map is too small or too large by one factor, agrees with itself, and
+// makes the wheels look as if they slipped for ever. Wheels that do slip do so by changing factors.
 //
 //   v_i = r w_i + e_i over pieces of 5 cm:   r = sum v w / sum w^2,   sum e^2 = sum v^2 - r sum v w
 
@@ -18,8 +18,8 @@ class ScaleWatch {
  private:
   static constexpr double kPiece_m = 0.05;
   static constexpr int kPieces = 10;
-  static constexpr double kWrong = 0.1;        // of the factor, away from 1
-  static constexpr double kLeast = 0.2;        // below it a robot stands and its wheels spin
+  static constexpr double kWrong = 0.1;         // of the factor, away from 1
+  static constexpr double kLeast = 0.2;         // below it a robot stands and its wheels spin
   static constexpr double kUnexplained = 0.01;  // of the seen motion's square
 
   double piece_wheels_m_ = 0.0;

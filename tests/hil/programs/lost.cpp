@@ -1,8 +1,8 @@
 // hil-lost, on the host: how much mapping a power cut has cost, from what the daemon told before it
 // (hil-watch record) and the checkpoint that was found after it.
 //
-// Lost is what was mapped between the first landmark that the checkpoint lacks and the cut. Telemetry
-// tells the number of landmarks once a second; the earlier of two lines counts.
+// Lost is what was mapped between the first landmark that the checkpoint lacks and the cut.
+// Telemetry tells the number of landmarks once a second; the earlier of two lines counts.
 
 #include <cstdint>
 #include <cstdio>
@@ -52,10 +52,11 @@ Life read_life(const char* path, std::uint64_t checkpoint) {
 
 int main(int argc, char** argv) {
   if (argc != 3) {
-    std::fprintf(stderr,
-                 "Usage: hil-lost TELEMETRY CHECKPOINT\n\n"
-                 "Prints the seconds of mapping that CHECKPOINT lacks, of those that TELEMETRY, written\n"
-                 "by hil-watch record, tells of. Exit code 1: a checkpoint that was told is lost.\n");
+    std::fprintf(
+        stderr,
+        "Usage: hil-lost TELEMETRY CHECKPOINT\n\n"
+        "Prints the seconds of mapping that CHECKPOINT lacks, of those that TELEMETRY, written\n"
+        "by hil-watch record, tells of. Exit code 1: a checkpoint that was told is lost.\n");
     return 2;
   }
   const std::uint64_t checkpoint = std::strtoull(argv[2], nullptr, 10);

@@ -68,6 +68,39 @@ TEST(Mapper, GoesOnWhenTheAnchorsAreUsedUp) {
   EXPECT_GT(followed, 30);
 }
 
+// Drives `rig` straight on for 2 m, its wheels telling `first_told` of the first half metre, and
+// then 3 m more. The last 3 m must have their right length.
+void expect_right_scale_in_the_end(MapperRig& rig, const PointWorld& world, Random& random,
+                                   double first_told) {
+  rig.drive({}, world, random);
+  for (int i = 0; i < 20; ++i) {
+    rig.drive({0.1, 0.0, 0.0}, world, random, i < 5 ? first_told : 1.0);
+  }
+  const Eigen::Vector3d before = rig.error();
+  const std::uint64_t slips = rig.mapper().counters().slips;
+  for (int i = 0; i < 30; ++i) rig.drive({0.1, 0.0, 0.0}, world, random);
+  EXPECT_LT((rig.error() - before).head<2>().norm(), 0.06);
+  EXPECT_LT(rig.mapper().counters().slips - slips, 3u);
+}
+
+// Where the first frames lie farther apart than the wheels tell, under a ceiling that is higher
+// than expected, all depths come out too small, and all later wheels would look as if they slipped.
+// Such a map is given up while it is young.
+TEST(Mapper, GivesUpAYoungMapOfWrongScale) {
+  const TestSeed seed;
+  Random random(seed.value());
+  Parameters p = honest_parameters();
+  p.distance_noise_per_sqrt_m = Parameters{}.distance_noise_per_sqrt_m;  // trusted wheels
+  const PointWorld room = PointWorld::scatter(random, 1500, -4.0, 14.0, -4.0, 4.0);
+  auto honest = std::make_unique<MapperRig>(test_robot(), p, seed.value());
+  expect_right_scale_in_the_end(*honest, room, random, 1.0);
+  EXPECT_EQ(honest->mapper().counters().begun_anew, 0u);
+  const PointWorld hall = PointWorld::scatter(random, 3000, -6.0, 16.0, -6.0, 6.0, 3.8, 4.2);
+  auto misled = std::make_unique<MapperRig>(test_robot(), p, seed.value());
+  expect_right_scale_in_the_end(*misled, hall, random, 0.6);
+  EXPECT_GE(misled->mapper().counters().begun_anew, 1u);
+}
+
 // After a circle of 40 m under a ceiling of 18 m x 18 m, the robot knows where it is to 0.3 % of
 // its way: 12 cm. Dead reckoning with the same wheels errs by metres: the heading alone spreads by
 // 0.02 sqrt(40) = 0.13 rad.

@@ -270,6 +270,20 @@ T& as(void* argument) {
   return *static_cast<T*>(argument);
 }
 
+// As v4l2loopback does: the last picture of an earlier stream, with a stamp of now.
+void give_stale_frame(FakeDevice& device, Time now) {
+  if (device.frozen || device.queued.empty()) return;
+  const std::uint32_t index = device.queued.front();
+  device.queued.erase(device.queued.begin());
+  FakeFrame stale;
+  stale.sequence = device.first_sequence - 40;
+  stale.stamp = now;
+  stale.bytes_used = frame_bytes(device);
+  std::ranges::fill(device.buffers[index].memory, FakeV4l2::kStaleValue);
+  device.buffers[index].frame = stale;
+  device.done.push_back(index);
+}
+
 int set_streaming(FakeDevice& device, bool on, Time now) {
   device.streaming = on;
   device.produced = 0;
@@ -277,6 +291,7 @@ int set_streaming(FakeDevice& device, bool on, Time now) {
   device.done.clear();
   if (on) {
     device.stream_error = 0;
+    give_stale_frame(device, now);
   } else {
     device.queued.clear();
   }

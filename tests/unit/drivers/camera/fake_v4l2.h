@@ -81,6 +81,7 @@ struct FakeDevice {
 class FakeV4l2 final : public V4l2Io {
  public:
   static constexpr std::uint8_t kFirstValue = 10;
+  static constexpr std::uint8_t kStaleValue = 5;  // of the frame that each stream begins with
 
   // Stays the caller's to change; lives as long as this.
   FakeDevice& add(const V4l2Offer& offer);

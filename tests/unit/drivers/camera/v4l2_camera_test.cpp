@@ -58,6 +58,18 @@ class V4l2CameraTest : public ::testing::Test {
   CameraFrame frame;
 };
 
+TEST_F(V4l2CameraTest, PassesOverTheFirstFrameOfEachStream) {
+  open();
+  for (int stream = 0; stream < 2; ++stream) {
+    ASSERT_EQ(wait(), CameraWait::kFrame);
+    EXPECT_NE(frame.luma.at(0, 0), FakeV4l2::kStaleValue);
+    expect_picture(0);
+    EXPECT_EQ(counters().lost_in_driver, 0u);
+    camera->close();
+    ASSERT_TRUE(camera->open());
+  }
+}
+
 TEST_F(V4l2CameraTest, DeliversEachFrameWithItsStampAndNumber) {
   open();
   const Time start = io.now();
