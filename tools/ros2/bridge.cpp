@@ -69,6 +69,7 @@ Status Bridge::open() {
   auto diagnostics = Diagnostics::make(*participant_);
   if (!diagnostics) return diagnostics.error();
   diagnostics_ = std::move(*diagnostics);
+  next_second_ = monotonic_now() + kSecond;  // robots have that time to answer
   return {};
 }
 
