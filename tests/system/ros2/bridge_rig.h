@@ -47,9 +47,9 @@ inline nlohmann::json pose_line(std::int64_t stamp_ns, const Pose2& map, const P
             {"velocity_covariance", {1.0, 0.0, 0.0, 2.0, 0.0, 3.0}}}}};
 }
 inline nlohmann::json alignment_line(const std::string& peer, int slot, const std::string& state,
-                                     const Pose2& pose) {
+                                     const Pose2& pose, std::int64_t stamp_ns = 3'000'000'000) {
   return {{"type", "alignment"},
-          {"stamp_ns", 3'000'000'000},
+          {"stamp_ns", stamp_ns},
           {"peer", slot},
           {"name", peer},
           {"state", state},
@@ -78,6 +78,12 @@ inline Pose2 pose_of(const geometry_msgs_msg_dds__Quaternion_& q, double x, doub
 }
 inline std::int64_t ns_of(const std_msgs_msg_dds__Header_& header) {
   return header.stamp.sec * std::int64_t{1'000'000'000} + header.stamp.nanosec;
+}
+
+// A message that was told to find out whether it arrives.
+inline constexpr std::int64_t kProbe_ns = 1;
+inline bool is_probe(const std_msgs_msg_dds__Header_& header) {
+  return ns_of(header) == kOffset_ns + kProbe_ns;
 }
 
 class BridgeRig : public ::testing::Test {
@@ -111,6 +117,26 @@ class BridgeRig : public ::testing::Test {
   }
   void TearDown() override {
     if (HasFailure()) printf("%s", tools::read_text(log("log")).c_str());
+  }
+  // Whether what the robot says from now on arrives at all of these readers: `line` is a probe,
+  // said until each has heard something.
+  bool hears(const std::vector<dds_entity_t>& readers, std::size_t number,
+             const nlohmann::json& line) {
+    return wait_until(60.0, [&] {
+      robot(number).say(line);
+      sleep_until(monotonic_now() + Duration{50'000'000});
+      for (const dds_entity_t reader : readers) {
+        void* sample = nullptr;
+        dds_sample_info_t info = {};
+        const dds_return_t count = dds_read(reader, &sample, &info, 1, 1);
+        if (count > 0) dds_return_loan(reader, &sample, count);
+        if (count != 1) return false;
+      }
+      return true;
+    });
+  }
+  bool hears_motion(const std::vector<dds_entity_t>& readers, std::size_t number = 0) {
+    return hears(readers, number, pose_line(kProbe_ns, {}, {}));
   }
   ToldDaemon& robot(std::size_t i = 0) { return *daemons_[i]; }
 

@@ -65,7 +65,8 @@ class Listener {
     return dds_create_reader(participant_, described, qos.get(), nullptr);
   }
 
-  // Until the bridge's writer is there.
+  // Until the bridge's writer is known here. It may not know this reader yet: what is not latched
+  // is still lost then.
   bool matched(dds_entity_t reader, double limit_s = 60.0) const {
     return wait_until(limit_s, [&] {
       dds_subscription_matched_status_t status = {};
