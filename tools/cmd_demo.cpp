@@ -58,10 +58,7 @@ constexpr Duration kSlice = {50'000'000};
 class PageThread {
  public:
   PageThread() = default;
-  ~PageThread() {
-    stop_ = true;
-    if (thread_.joinable()) thread_.join();
-  }
+  ~PageThread() { stop(); }
   PageThread(const PageThread&) = delete;
   PageThread& operator=(const PageThread&) = delete;
 
@@ -69,14 +66,29 @@ class PageThread {
     auto page = LivePage::start(options, robots);
     if (!page.ok()) return page.error();
     page_ = std::move(*page);
-    thread_ = std::thread([this] {
-      while (!stop_) page_->turn(kSlice, -1);
-    });
+    run();
     open_browser();
     return {};
   }
 
+  // The robots have ended; the page stays.
+  void end() {
+    stop();
+    page_->end("the demo has ended");
+    run();
+  }
+
  private:
+  void run() {
+    stop_ = false;
+    thread_ = std::thread([this] {
+      while (!stop_) page_->turn(kSlice, -1);
+    });
+  }
+  void stop() {
+    stop_ = true;
+    if (thread_.joinable()) thread_.join();
+  }
   // Where there is a desktop; the address is printed anyway. A browser that it starts lives on.
   void open_browser() {
     if (std::getenv("DISPLAY") == nullptr && std::getenv("WAYLAND_DISPLAY") == nullptr) return;
@@ -218,6 +230,7 @@ int run_live(const DemoCommand& command) {
   std::printf("   %-36s its configuration\n",
               file((log->robots[0].name + ".toml").c_str()).c_str());
   if (command.view) {
+    page.end();
     std::printf(
         "The robots have ended; the page still shows them, and looks back. Ctrl-C ends it.\n");
     std::fflush(stdout);

@@ -13,9 +13,10 @@ namespace {
 // What Debian or a board brings.
 const std::set<std::string>& other_programs() {
   static const std::set<std::string> all = {
-      "apt",  "cansend",   "cat",      "chmod",      "chown",    "cmake",  "config-pin", "cp",
-      "curl", "install",   "ip",       "journalctl", "mkdir",    "mv",     "ros2",       "scp",
-      "ssh",  "systemctl", "sudoedit", "networkctl", "v4l2-ctl", "candump"};
+      "apt",   "candump",    "cansend",  "cat",       "chmod",      "chown",
+      "cmake", "config-pin", "cp",       "curl",      "export",     "install",
+      "ip",    "journalctl", "mkdir",    "mv",        "networkctl", "ros2",
+      "scp",   "ssh",        "sudoedit", "systemctl", "v4l2-ctl"};
   return all;
 }
 

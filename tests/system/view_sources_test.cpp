@@ -161,6 +161,9 @@ TEST_F(DemoPage, ShowsTheRobotsAndStaysUntilCtrlC) {
   })) << "the browser";
   EXPECT_TRUE(fs::exists(folder_.path() / "demo" / "map.png"));
   EXPECT_TRUE(shows_both()) << "as they were";
+  EXPECT_TRUE(page_sees(view_.port(), json::object(), [](const json& robots) {
+    return robots[1]["set"]["link"]["why"] == "the demo has ended";
+  }));
   EXPECT_EQ(view_.stop(), 0);
 }
 

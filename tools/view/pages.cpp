@@ -57,12 +57,21 @@ Result<std::unique_ptr<LivePage>> LivePage::start(const WebOptions& options,
   return page;
 }
 
+void LivePage::end(const std::string& why) {
+  ended_ = true;
+  for (std::size_t i = 0; i < state_.size(); ++i) state_.set_link(i, false, why);
+}
+
 std::string LivePage::address() const {
   return "http://" + place_of(options_, server_->port());
 }
 
 void LivePage::turn(Duration wait, int wake_fd) {
-  live_.turn(wait, wake_fd);
+  if (ended_) {
+    sleep_until(monotonic_now() + wait);
+  } else {
+    live_.turn(wait, wake_fd);
+  }
   const Time now = monotonic_now();
   look_back_.turn(now - before_);
   before_ = now;

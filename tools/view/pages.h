@@ -24,6 +24,8 @@ class LivePage {
                                                  std::vector<RobotAddress> robots);
   // Takes what robots tell within `wait`, or until `wake_fd` can be read (-1: none). One thread.
   void turn(Duration wait, int wake_fd);
+  // Robots are no longer listened to: the page says why, and one may look back.
+  void end(const std::string& why);
   // "http://127.0.0.1:8765"
   std::string address() const;
 
@@ -37,6 +39,7 @@ class LivePage {
   LookBack look_back_;
   std::unique_ptr<WebServer> server_;
   Time before_;
+  bool ended_ = false;
 };
 
 // Plays it on the page until a signal asks to stop.

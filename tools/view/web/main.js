@@ -116,7 +116,7 @@ function showConnection() {
   let text, lost = false;
   if (!open) {
     lost = true;
-    text = 'connection lost: is zenith view still running?';
+    text = 'connection lost; zenith view may have ended';
   } else if (past) {
     text = 'past';
   } else if (fleet.clock && !fleet.clock.live) {
@@ -131,7 +131,7 @@ function showConnection() {
   element.className = lost ? 'lost' : open ? 'live' : '';
   document.body.classList.toggle('stale', lost);
   note.hidden = !lost;
-  note.textContent = lost ? text + (fleet.robots.length ? ' What is shown is old.' : '') : '';
+  note.textContent = lost ? text + (fleet.robots.length ? '. What is shown is old.' : '') : '';
 }
 
 function clockText(seconds) {
