@@ -43,6 +43,7 @@ What the columns mean:
 
 struct EvalOptions {
   bool relocalise = false;
+  double relocalise_way_m = RelocalisationPlan{}.most_way_m;
   EvaluationPlan plan;
   std::vector<std::string> subjects;  // worlds, or recordings with --replay
   std::vector<std::string> assignments;
@@ -122,6 +123,7 @@ int run_relocalisation(const EvalOptions& options, const Parameters& parameters)
       plan.world = world;
       plan.seed = options.plan.first_seed + static_cast<std::uint64_t>(i);
       plan.parameters = parameters;
+      plan.most_way_m = options.relocalise_way_m;
       Progress progress("mapping");
       const auto run = relocalise(plan, [&](double fraction) { progress.update(fraction); });
       if (!run.ok()) return fail(run.error());
@@ -185,6 +187,10 @@ void add_eval_command(CLI::App& app, int& exit_code) {
       ->excludes(alone);
   eval->add_flag("--relocalise", options->relocalise,
                  "the first robot maps alone; each other one must find itself in its stored map");
+  eval->add_option("--way", options->relocalise_way_m,
+                   "with --relocalise: metres to drive at most until it is found")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
   eval->add_flag("--joint", options->plan.joint, "aligned robots go on in one filter")
       ->excludes(alone);
   add_set_option(*eval, options->assignments);

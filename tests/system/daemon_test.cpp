@@ -97,12 +97,24 @@ TEST_F(DaemonTest, RunsReloadsAndStops) {
   EXPECT_TRUE(logged(":11: unknown key slam.particels; did you mean slam.particles?"));
   EXPECT_EQ(next(reader, "health")["load"]["corners_max"], 128);
 
-  // A right one: what may change does, the rest waits.
+  // A right one: what may change does, the rest waits. The lamp is not there; it was looked for.
+  configure(
+      "rate_hz = 1\n[slam]\ncorners_max = 60\nparticles = 100\n[map]\ninterval_s = 9\n[leds]\n"
+      "status = \"led:no-such-lamp\"\n[log]\nlevel = \"info\"\n[load]\ncorners_min = 20\n");
+  daemon.send(SIGHUP);
+  ASSERT_TRUE(manager.heard("READY=1", kLimit_s));
+  EXPECT_TRUE(
+      logged("configuration read again: load.corners_min, telemetry.rate_hz, leds.status, "
+             "log.level, slam.corners_max"));
+  EXPECT_TRUE(logged("needs a restart: map.interval_s, slam.particles"));
+  EXPECT_TRUE(logged("no-such-lamp"));
+  (void)next(reader, "pose");
+  const auto one = next(reader, "pose")["stamp_ns"].get<std::int64_t>();
+  EXPECT_GE(next(reader, "pose")["stamp_ns"].get<std::int64_t>(), one + 900'000'000)
+      << "a pose a second";
   configure("[slam]\ncorners_max = 60\nparticles = 100\n");
   daemon.send(SIGHUP);
   ASSERT_TRUE(manager.heard("READY=1", kLimit_s));
-  EXPECT_TRUE(logged("configuration read again: slam.corners_max"));
-  EXPECT_TRUE(logged("needs a restart: slam.particles"));
   bool fewer = false;
   for (int i = 0; i < 20 && !fewer; ++i) {
     fewer = next(reader, "health")["load"]["corners_max"].get<int>() <= 60;

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <regex>
 #include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -80,19 +81,44 @@ INSTANTIATE_TEST_SUITE_P(Units, UnitTest,
                                          "zenith-ros2.service"),
                          short_name);
 
-TEST(Packaging, ManualPageAndHelpKnowTheSameCommands) {
-  const std::string help = run(std::string(ZENITH_TOOL) + " --help").text;
+// What the help of `command` lists.
+std::vector<std::string> subcommands(const std::string& command) {
+  const std::string help = run(std::string(ZENITH_TOOL) + command + " --help").text;
   const std::size_t begin = help.find("Subcommands:");
-  ASSERT_NE(begin, std::string::npos);
-  const std::string commands = help.substr(begin, help.find("\n\n", begin) - begin);
-  const std::string page = read_text(ZENITH_SOURCE_DIR "/docs/man/zenith.1");
-  int count = 0;
+  if (begin == std::string::npos) return {};
+  const std::string list = help.substr(begin, help.find("\n\n", begin) - begin);
+  std::vector<std::string> names;
   const std::regex name("\n  ([a-z]+) ");
-  for (std::sregex_iterator at(commands.begin(), commands.end(), name), end; at != end; ++at) {
-    EXPECT_THAT(page, HasSubstr("\n.B " + at->str(1) + "\n"));
-    ++count;
+  for (std::sregex_iterator at(list.begin(), list.end(), name), end; at != end; ++at) {
+    names.push_back(at->str(1));
   }
-  EXPECT_GE(count, 8);
+  return names;
+}
+
+TEST(Packaging, ManualPageAndHelpKnowTheSameCommands) {
+  const std::string page = read_text(ZENITH_SOURCE_DIR "/docs/man/zenith.1");
+  const auto names = subcommands("");
+  EXPECT_GE(names.size(), 8u);
+  for (const std::string& name : names) EXPECT_THAT(page, HasSubstr("\n.B " + name + "\n"));
+}
+
+TEST(Packaging, TheMapsManualPageAndHelpKnowTheSameSubcommands) {
+  const std::string page = read_text(ZENITH_SOURCE_DIR "/docs/man/zenith-map.1");
+  const auto names = subcommands(" map");
+  EXPECT_EQ(names.size(), 5u);
+  for (const std::string& name : names) {
+    EXPECT_THAT(page, HasSubstr("\n.B zenith map " + name + "\n"));
+    EXPECT_THAT(page, HasSubstr("\n.TP\n.B " + name + "\n"));
+  }
+}
+
+// Two daemons on a board keep two maps, and a purge finds all of them.
+TEST(Packaging, InstancesHaveStateFoldersOfTheirOwn) {
+  const std::string units = ZENITH_UNITS;
+  EXPECT_THAT(read_text(units + "/zenithd.service"), HasSubstr("\nStateDirectory=zenith\n"));
+  EXPECT_THAT(read_text(units + "/zenithd@.service"), HasSubstr("\nStateDirectory=zenith-%i\n"));
+  EXPECT_THAT(read_text(ZENITH_SOURCE_DIR "/systemd/package/postrm"),
+              HasSubstr("rm -rf /var/lib/zenith /var/lib/zenith-*\n"));
 }
 
 TEST(Packaging, TheShellCompletesCommandsAndOptions) {

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "platform/daemon/config_text.h"
+#include "platform/daemon/housekeeping.h"
 #include "tests/unit/tools/temporary_folder.h"
 
 namespace zenith {
@@ -153,6 +154,20 @@ TEST(DaemonSettings, LiveOnesAreTakenOver) {
   take_live(other, running);
   EXPECT_THAT(changed_keys(running, other, true), IsEmpty());
   EXPECT_EQ(changed_keys(running, other, false), others);
+}
+
+// What of this the perception thread gets; the others are used where they lie.
+TEST(DaemonSettings, LiveOnesReachThePerceptionThread) {
+  DaemonConfig config;
+  config.odometry_patience_s = 0.125;
+  config.load.busy_share = 0.75;
+  config.load.corners_min = 33;
+  config.slam.corners_max = 66;
+  const LiveSettings live = live_settings(config);
+  EXPECT_EQ(live.patience, Duration::from_seconds(0.125));
+  EXPECT_EQ(live.load.busy_share, 0.75);
+  EXPECT_EQ(live.load.corners_min, 33);
+  EXPECT_EQ(live.load.corners_max, 66);
 }
 
 // --- files that are made of the list
