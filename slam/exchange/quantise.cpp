@@ -122,8 +122,10 @@ Correlations encode_correlations(const std::array<float, 6>& covariance) {
   const auto encode = [](double xy, double xx, double yy) {
     const double norm = std::sqrt(xx) * std::sqrt(yy);
     if (!(norm > 0.0)) return std::int8_t{0};
-    const double correlation = std::clamp(xy / norm, -1.0, 1.0);
-    return static_cast<std::int8_t>(std::trunc(kCorrelationUnit * correlation));
+    const double parts = kCorrelationUnit * std::clamp(xy / norm, -1.0, 1.0);
+    // What was decoded is a whole number but for the rounding of floats, and stays what it is.
+    constexpr double kRounding = 1e-4;
+    return static_cast<std::int8_t>(std::trunc(parts + std::copysign(kRounding, parts)));
   };
   Correlations r = {encode(covariance[1], covariance[0], covariance[3]),
                     encode(covariance[2], covariance[0], covariance[5]),

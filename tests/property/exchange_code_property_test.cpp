@@ -123,7 +123,7 @@ TEST(ExchangeCodeProperty, CorrelationsShrinkAndKeepTheirSigns) {
                                          c[4] / std::sqrt(double{c[3]} * c[5])};
     for (std::size_t i = 0; i < 3; ++i) {
       ASSERT_GE(r[i] * truth[i], 0.0);
-      ASSERT_LE(std::abs(r[i] / 127.0), std::abs(truth[i]) + 1e-9);
+      ASSERT_LE(std::abs(r[i] / 127.0), std::abs(truth[i]) + 1e-6);
       ASSERT_GE(std::abs(r[i] / 127.0), 0.85 * std::min(1.0, std::abs(truth[i])) - 2.0 / 127.0)
           << "trial " << trial;
     }
@@ -141,8 +141,7 @@ TEST(ExchangeCodeProperty, WhatWasDecodedIsEncodedTheSame) {
     const LandmarkRecord twice = over_the_wire(once, 1, 0);
     ASSERT_TRUE(encode_record(twice, second));
     ASSERT_EQ(once.x_m, twice.x_m);
-    ASSERT_EQ(once.covariance_m2[0], twice.covariance_m2[0]);
-    ASSERT_EQ(once.covariance_m2[5], twice.covariance_m2[5]);
+    ASSERT_EQ(once.covariance_m2, twice.covariance_m2) << "also after many lives of a map";
     for (std::size_t i = 0; i < once.appearance_count; ++i) {
       ASSERT_EQ(once.appearances[i].descriptor, twice.appearances[i].descriptor);
       ASSERT_EQ(once.appearances[i].direction_rad, twice.appearances[i].direction_rad);
