@@ -18,8 +18,8 @@ namespace zenith {
 
 // Landmarks that are one are fused; the others go on as they are, with ids of their own. Returns
 // how many were written; when `out` (kMaxLandmarks) is full, past ones that were not seen now are
-// left out. Both inputs hold no removed records and at most kMaxLandmarks. Some ten milliseconds for
-// full maps; not for the realtime thread.
+// left out. Both inputs hold no removed records and at most kMaxLandmarks. Some ten milliseconds
+// for full maps; not for the realtime thread.
 std::size_t continue_map(std::span<const LandmarkRecord> past, std::span<const LandmarkRecord> own,
                          const Pose2& T_past_own, const Eigen::Matrix3d& T_covariance,
                          std::span<LandmarkRecord> out);
