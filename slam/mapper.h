@@ -134,7 +134,6 @@ class Mapper {
   bool loop_closing_ = false;
   ScaleWatch scale_;
   bool scale_wrong_ = false;
-  double begun_m_ = 0.0;  // travelled_m_ when the map was begun
   bool first_ = true;
   double travelled_m_ = 0.0;
   double way_share_ = 1.0;

@@ -18,6 +18,7 @@ constexpr double kSettledRadius_px = 2.5;
 constexpr int kEnoughToSteer = 15;
 // A wheel that slips between two frames: forward, left, turn.
 const Eigen::Vector3d kSlip(0.02, 0.01, 2.0 * std::numbers::pi / 180.0);
+constexpr double kStraight = 0.3;        // rad/m
 constexpr double kSlipDistance2 = 20.0;  // chi squared, 3 degrees of freedom: 1 in 6000
 constexpr double kDegrees = 4.0;         // of freedom, of a match's error as Student's t
 
@@ -119,7 +120,8 @@ void Mapper::associate(const Features& features) {
   }
   if (correction_.inliers >= 8) {
     const double wheels_m = motion_.mean.x_m;
-    scale_wrong_ = scale_.note(wheels_m, wheels_m + correction_.xi.x());
+    const bool straight = std::abs(motion_.mean.theta_rad) < kStraight * std::abs(wheels_m);
+    scale_wrong_ = straight && scale_.note(wheels_m, wheels_m + correction_.xi.x());
     believe_slip();
   } else {
     scale_.reset();

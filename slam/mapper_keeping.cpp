@@ -74,14 +74,13 @@ void Mapper::begin_anew() {
     ++counters_.landmarks_pruned;
   }
   corner_used_.fill(false);
-  begun_m_ = travelled_m_;
   first_ = true;
   ++counters_.begun_anew;
 }
 
 // Promotion and pruning.
 void Mapper::keep() {
-  const bool young = map_ == &own_map_ && travelled_m_ - begun_m_ < kYoung_m;
+  const bool young = map_ == &own_map_ && travelled_m_ < kYoung_m;
   if (std::exchange(scale_wrong_, false) && young) begin_anew();
   refresh_in_turn();
   for (const Candidate& c : candidates_[0]) {

@@ -69,7 +69,7 @@ struct RadioConfig {
 
 struct MapConfig {
   std::string folder = ".";  // relative: in the state folder; empty: no map is kept
-  double interval_s = 5.0;
+  double interval_s = 4.0;
 };
 
 struct SimulationConfig {

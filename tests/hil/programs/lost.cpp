@@ -2,14 +2,14 @@
 // (hil-watch record) and what the next one said that it has read from the disk.
 //
 // Lost is what was mapped between the first landmark that the disk lacks and the cut. Telemetry
-// tells the number of landmarks, and the last checkpoint, once a second; of the two lines around a
-// new landmark the earlier one counts.
+// tells of each new landmark at once, and of the last checkpoint once a second.
 
 #include <cstdint>
 #include <cstdio>
 #include <fstream>
 #include <map>
 #include <regex>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -17,10 +17,8 @@
 
 namespace {
 
-struct Second {
-  double heard_s = 0.0;
-  std::uint64_t landmarks = 0;  // established ones since the daemon's start
-};
+constexpr int kOwnMap = -1;  // `peer` of lines of type landmarks
+constexpr std::size_t kNumbersOfALandmark = 9;
 
 struct Checkpoint {
   std::string place;  // empty: none was told
@@ -29,7 +27,8 @@ struct Checkpoint {
 };
 
 struct Life {
-  std::vector<Second> seconds;
+  std::vector<double> landmarks_s;  // when each one was first told
+  double began_s = -1.0;
   double ended_s = 0.0;
   Checkpoint last;
   std::uint64_t last_of_map = 0;  // the last one of the place "map" that was told
@@ -37,6 +36,7 @@ struct Life {
 
 Life read_life(const char* path) {
   Life life;
+  std::set<std::int64_t> known;
   std::ifstream in(path);
   std::string text;
   while (std::getline(in, text)) {
@@ -45,8 +45,12 @@ Life read_life(const char* path) {
     const double heard_s = static_cast<double>(line.value("heard_ns", std::int64_t{0})) * 1e-9;
     const std::string type = line.value("type", "");
     life.ended_s = heard_s;
-    if (type == "health") {
-      life.seconds.push_back({heard_s, line["map"].value("promoted", std::uint64_t{0})});
+    if (life.began_s < 0.0) life.began_s = heard_s;
+    if (type == "landmarks" && line.value("peer", 0) == kOwnMap) {
+      const nlohmann::json& rows = line["rows"];
+      for (std::size_t i = 0; i < rows.size(); i += kNumbersOfALandmark) {
+        if (known.insert(rows[i].get<std::int64_t>()).second) life.landmarks_s.push_back(heard_s);
+      }
     }
     const double age_s = line.value("age_s", -1.0);
     if (type != "stored_map" || age_s < 0.0) continue;
@@ -71,12 +75,8 @@ std::map<std::string, std::uint64_t> read_found(const char* path) {
 }
 
 double lost_after(const Life& life, double written_s) {
-  const Second* before = nullptr;  // the last line that the disk holds
-  for (const Second& second : life.seconds) {
-    if (before != nullptr && second.heard_s > written_s && second.landmarks > before->landmarks) {
-      return life.ended_s - before->heard_s;
-    }
-    before = &second;
+  for (const double landmark_s : life.landmarks_s) {
+    if (landmark_s > written_s) return life.ended_s - landmark_s;
   }
   return 0.0;
 }
@@ -95,15 +95,15 @@ int main(int argc, char** argv) {
   }
   const Life life = read_life(argv[1]);
   const auto found = read_found(argv[2]);
-  if (life.seconds.empty()) {
-    std::fprintf(stderr, "hil-lost: %s: no line of health\n", argv[1]);
+  if (life.began_s < 0.0) {
+    std::fprintf(stderr, "hil-lost: %s: no telemetry\n", argv[1]);
     return 2;
   }
   const auto number = [&](const std::string& place) {
     const auto at = found.find(place);
     return at == found.end() ? 0 : at->second;
   };
-  double written_s = life.seconds.front().heard_s;
+  double written_s = life.began_s;
   if (!life.last.place.empty()) {
     const std::uint64_t there = number(life.last.place);
     written_s = there == life.last.number ? life.last.written_s : life.ended_s;
