@@ -96,8 +96,8 @@ class Process {
   // To what it has started, too.
   void send_group(int signal) const { ::kill(-pid_, signal); }
 
-  // The exit code, as a shell has it: 128 and the signal when it was killed; -1 when it does not end
-  // in time.
+  // The exit code, as a shell has it: 128 and the signal when it was killed; -1 when it does not
+  // end in time.
   int wait(double limit_s) {
     int status = 0;
     const bool ended =

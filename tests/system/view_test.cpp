@@ -132,8 +132,8 @@ TEST_F(ViewTest, ShowsRobotsLiveAndHowTheyMerge) {
   browser->run(
       "const s = document.getElementById('slider'); s.value = 2;"
       " s.dispatchEvent(new Event('input')); s.dispatchEvent(new Event('change'))");
-  ASSERT_TRUE(browser->wait_for(
-      "document.getElementById('connection').textContent === 'past'", kSoon_s));
+  ASSERT_TRUE(
+      browser->wait_for("document.getElementById('connection').textContent === 'past'", kSoon_s));
   ASSERT_TRUE(browser->wait_for("window.zenith.fleet.clock.position_s === 2", kSoon_s));
   EXPECT_TRUE(
       browser->wait_for("!window.zenith.map.layers.find(l => l.name === 'r2')?.placed", kSoon_s))
