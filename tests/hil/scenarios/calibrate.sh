@@ -70,6 +70,7 @@ check "the lens is calibrated from the live camera" \
   "$zenith" calibrate lens --camera "$camera" --out lens --write zenith.toml
 printf '          after %d s of the guest\n' $((($(now_ns) - started) / 1000000000))
 kill "$shown"
+v4l2-ctl -d "$camera" --set-ctrl keep_format=0  # as other scenarios expect it
 
 taken=(lens/views/*.png)
 check "it took at least twenty views" test "${#taken[@]}" -ge 20
