@@ -106,7 +106,10 @@ TEST(Perception, LeavesAPictureForWhoAsksAndOnlyThen) {
   const Picture* picture = nullptr;
   ASSERT_TRUE(rig.wait_for([&](const auto&) {
     picture = rig.perception.next_picture();
-    return picture != nullptr;
+    // On a busy computer the robot drives slowly, and a frame may show too little motion to be
+    // used.
+    if (picture != nullptr && !picture->used) rig.perception.ask_picture();
+    return picture != nullptr && picture->used;
   }));
   rig.stop();
   EXPECT_GT(picture->corners.size(), 10u);
@@ -114,7 +117,6 @@ TEST(Perception, LeavesAPictureForWhoAsksAndOnlyThen) {
   EXPECT_GT(*bright - *dark, 50);
   EXPECT_EQ(rig.perception.next_picture(), nullptr) << "one was asked for";
   EXPECT_EQ(rig.heap_calls, 0u);
-  ASSERT_TRUE(picture->used);
   int inliers = 0;
   for (const SeenCorner& c : picture->corners) {
     if (!c.inlier) continue;
