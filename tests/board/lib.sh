@@ -29,15 +29,10 @@ board_first_files() {
   (cd "$files" && find . | cpio -o -H newc --quiet) >"$1/first.cpio"
 }
 
-# board_boot [--fast] DISK RESULTS [WORD...]: one life of the board, until it is switched off. WORDs go
+# board_boot DISK RESULTS [WORD...]: one life of the board, until it is switched off. WORDs go
 # to the kernel. What the board says comes out. Its clock counts instructions, one a nanosecond, as that
-# of the guests of tests/hil; with --fast it is the host's, and there are two processors.
+# of the guests of tests/hil.
 board_boot() {
-  local clock=(-accel tcg -icount "shift=${HIL_SHIFT:-0}" -rtc "clock=vm" -smp 1)
-  if [[ $1 == --fast ]]; then
-    clock=(-accel "tcg,thread=multi" -smp 2)
-    shift
-  fi
   local disk=$1 results=$2 folders kernel busybox work status=0
   shift 2
   folders=$("$hil_source/tests/hil/prepare" arm64)
@@ -46,7 +41,8 @@ board_boot() {
   board_first_files "$work" "$kernel" "$busybox"
   local share=local,security_model=none,multidevs=remap
   timeout -k 5 "${BOARD_TIME_LIMIT:-3600}" qemu-system-aarch64 \
-    -M virt,gic-version=3 -cpu cortex-a72 "${clock[@]}" -m 1536 -display none -nodefaults -no-reboot -nic none \
+    -M virt,gic-version=3 -cpu cortex-a72 -accel tcg -icount "shift=${HIL_SHIFT:-0}" -rtc clock=vm \
+    -smp 1 -m 1536 -display none -nodefaults -no-reboot -nic none \
     -kernel "$kernel/kernel" -initrd "$work/first.cpio" \
     -drive "file=$disk,format=raw,if=virtio,cache=writeback" \
     -virtfs "$share,path=$hil_source,mount_tag=source,readonly=on" \
