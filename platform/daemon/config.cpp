@@ -6,9 +6,9 @@
 #include <utility>
 
 #include "drivers/leds/led_output.h"
+#include "platform/base/printable.h"
 #include "platform/config/robot_settings.h"
 #include "platform/daemon/tap/tap.h"
-#include "slam/exchange/messages.h"
 
 namespace zenith {
 namespace {
@@ -298,7 +298,7 @@ void check_relations(const DaemonConfig& c, const KeyLines& lines, Problems& pro
         " is empty; telemetry.enabled = false switches it off");
   check(!c.record.enabled || !c.record.socket.empty(), "record.socket",
         " is empty; record.enabled = false switches it off");
-  check(exchange::is_name(c.name), "robot.name",
+  check(is_robot_name(c.name), "robot.name",
         " '" + c.name + "' is no name: expected 1 to 32 bytes of UTF-8 without control characters");
   if (c.radio.enabled && !c.radio.key_file.empty()) {
     const Status good = zenith::check(c.radio.udp);

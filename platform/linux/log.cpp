@@ -10,13 +10,17 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <span>
+#include <string_view>
 
+#include "platform/base/printable.h"
 #include "platform/linux/clock.h"
 
 namespace zenith {
 namespace {
 
 constexpr auto kRelaxed = std::memory_order_relaxed;
+
 const char* level_name(LogLevel level) {
   switch (level) {
     case LogLevel::kError:
@@ -33,21 +37,13 @@ const char* level_name(LogLevel level) {
   return "?";
 }
 
-// One record is one line: what came from outside may hold line ends and control characters.
-void make_one_line(char* text) {
-  for (; *text != '\0'; ++text) {
-    const auto c = static_cast<unsigned char>(*text);
-    if (c < ' ' || c == 0x7f) *text = ' ';
-  }
-}
+using Text = std::array<char, Log::kTextBytes>;
 
-// The text fills its place: ends it with "...", not in the midst of a UTF-8 character, which
-// journald would store as binary data.
-void mark_cut(char* text) {
-  constexpr const char kCut[] = "...";
-  std::size_t end = Log::kTextBytes - sizeof(kCut);
-  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) --end;
-  std::memcpy(text + end, kCut, sizeof(kCut));
+// One record is one line: what came from outside may hold line ends and control characters. `cut`:
+// `raw` is the beginning of a longer text.
+void make_one_line(const char* raw, bool cut, Text& text) {
+  const std::span<char> room = std::span(text).first(text.size() - 1);
+  text[write_printable_cut(raw, room, cut)] = '\0';
 }
 
 }  // namespace
@@ -65,10 +61,10 @@ void Log::write(LogLevel level, Time now, const LogFields& fields, const char* f
   Record record;
   record.level = level;
   record.fields = fields;
-  const int length = std::vsnprintf(record.text.data(), kTextBytes, format, arguments);
-  if (length < 0) std::snprintf(record.text.data(), kTextBytes, "%s", format);
-  if (length >= static_cast<int>(kTextBytes)) mark_cut(record.text.data());
-  make_one_line(record.text.data());
+  Text raw;
+  const int length = std::vsnprintf(raw.data(), raw.size(), format, arguments);
+  const bool cut = length >= static_cast<int>(raw.size());
+  make_one_line(length < 0 ? format : raw.data(), cut, record.text);
   if (!queue_.push(record)) lost_.fetch_add(1, kRelaxed);
 }
 
@@ -133,11 +129,13 @@ void Log::tell_suppressed(Time now) {
       count += site.suppressed.exchange(0, kRelaxed);
     }
     if (count == 0) continue;
-    char text[kTextBytes];
-    std::snprintf(text, sizeof(text), "%" PRIu32 " more lines like this were left out: %s", count,
-                  site.format.load(kRelaxed));
-    make_one_line(text);
-    put(site.level.load(kRelaxed), text, LogFields("log-lines-left-out"));
+    Text raw;
+    const int length =
+        std::snprintf(raw.data(), raw.size(), "%" PRIu32 " more lines like this were left out: %s",
+                      count, site.format.load(kRelaxed));
+    Text text;
+    make_one_line(raw.data(), length >= static_cast<int>(raw.size()), text);
+    put(site.level.load(kRelaxed), text.data(), LogFields("log-lines-left-out"));
   }
 }
 

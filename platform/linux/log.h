@@ -59,7 +59,8 @@ class Log {
   void set_level(LogLevel least) { least_.store(least, std::memory_order_relaxed); }
   bool would_log(LogLevel level) const { return level <= least_.load(std::memory_order_relaxed); }
 
-  // Any thread. printf's formats, without precisions in the hundreds (glibc then allocates).
+  // Any thread. printf's formats, without precisions in the hundreds (glibc then allocates). What
+  // a terminal must not get is written as an escape (platform/base/printable.h).
   void write(LogLevel level, const char* format, ...) __attribute__((format(printf, 3, 4)));
   void write(LogLevel level, Time now, const LogFields& fields, const char* format,
              va_list arguments) __attribute__((format(printf, 5, 0)));

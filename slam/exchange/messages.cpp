@@ -10,24 +10,6 @@ namespace {
 
 constexpr double kConfidenceUnit = 65535.0;
 
-// The bytes of one UTF-8 character that begins with `lead`; 0: none begins so.
-std::size_t length_of_character(std::uint8_t lead) {
-  if (lead < 0x80) return 1;
-  if (lead >= 0xC2 && lead <= 0xDF) return 2;
-  if (lead >= 0xE0 && lead <= 0xEF) return 3;
-  if (lead >= 0xF0 && lead <= 0xF4) return 4;
-  return 0;
-}
-
-// The ranges of the second byte that exclude long forms, surrogates and what lies above U+10FFFF.
-bool fits_lead(std::uint8_t lead, std::uint8_t second) {
-  if (lead == 0xE0) return second >= 0xA0;
-  if (lead == 0xED) return second <= 0x9F;
-  if (lead == 0xF0) return second >= 0x90;
-  if (lead == 0xF4) return second <= 0x8F;
-  return lead != 0xC2 || second >= 0xA0;  // U+0080 to U+009F are control characters
-}
-
 void append_pose(ByteWriter& out, const Pose2& pose) {
   out.i32(clamp_mm(pose.x_m));
   out.i32(clamp_mm(pose.y_m));
@@ -69,24 +51,8 @@ bool take_alignment(ByteReader& in, AlignmentNotice& alignment) {
 
 }  // namespace
 
-bool is_name(std::string_view name) {
-  if (name.empty() || name.size() > kMaxName) return false;
-  const auto byte = [&](std::size_t i) { return static_cast<std::uint8_t>(name[i]); };
-  for (std::size_t i = 0; i < name.size();) {
-    const std::size_t length = length_of_character(byte(i));
-    if (length == 0 || i + length > name.size()) return false;
-    if (byte(i) < 0x20 || byte(i) == 0x7F) return false;
-    for (std::size_t k = 1; k < length; ++k) {
-      if ((byte(i + k) & 0xC0) != 0x80) return false;
-    }
-    if (length > 1 && !fits_lead(byte(i), byte(i + 1))) return false;
-    i += length;
-  }
-  return true;
-}
-
 bool append(ByteWriter& out, const Hello& hello) {
-  if (!is_name(hello.text())) return false;
+  if (!is_robot_name(hello.text())) return false;
   const std::size_t start = begin_section(out, SectionType::kHello);
   out.u8(static_cast<std::uint8_t>(hello.name.size()));
   for (const char c : hello.name) out.u8(static_cast<std::uint8_t>(c));
@@ -136,7 +102,7 @@ bool decode(Bytes body, Hello& out) {
   if (length > kMaxName) return false;
   out.name.clear();
   for (const std::uint8_t byte : in.take(length)) out.name.push_back(static_cast<char>(byte));
-  return in.done() && is_name(out.text());
+  return in.done() && is_robot_name(out.text());
 }
 
 bool decode(Bytes body, Challenge& out) {

@@ -9,21 +9,19 @@
 #include <string_view>
 
 #include "platform/base/fixed_vector.h"
+#include "platform/base/printable.h"
 #include "slam/exchange/sections.h"
 #include "slam/geometry.h"
 
 namespace zenith::exchange {
 
-inline constexpr std::size_t kMaxName = 32;
+inline constexpr std::size_t kMaxName = kMaxRobotName;
 inline constexpr std::size_t kMaxAlignmentsTold = 8;
 inline constexpr std::size_t kMaxRangesAsked = 16;
 inline constexpr std::uint32_t kToHead = 0xFFFFFFFFU;
 
-// A robot's name: 1 to 32 bytes of UTF-8 without control characters.
-bool is_name(std::string_view name);
-
 struct Hello {
-  FixedVector<char, kMaxName> name;
+  FixedVector<char, kMaxName> name;  // is_robot_name()
 
   std::string_view text() const { return {name.begin(), name.size()}; }
 };

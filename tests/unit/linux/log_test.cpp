@@ -108,7 +108,25 @@ TEST_F(LogTest, CutsBetweenCharactersOnly) {
 TEST_F(LogTest, OneMessageStaysOneLine) {
   log_->write(LogLevel::kInfo, "name: %s", "r1\n<0>forged\t\x1b[31m");
   log_->drain(monotonic_now());
-  EXPECT_THAT(lines(), ElementsAre("<6>name: r1 <0>forged  [31m"));
+  EXPECT_THAT(lines(), ElementsAre("<6>name: r1\\x0a<0>forged\\x09\\x1b[31m"));
+}
+
+TEST_F(LogTest, AttacksOnTheTerminalAreShownAsEscapes) {
+  log_->write(LogLevel::kInfo, "%s", "\u009b31m \u202etxt.exe \x9b\xff");
+  log_->drain(monotonic_now());
+  EXPECT_THAT(lines(), ElementsAre("<6>\\u009b31m \\u202etxt.exe \\x9b\\xff"));
+}
+
+TEST_F(LogTest, EscapesAreCutWhole) {
+  for (std::size_t start = 0; start < 8; ++start) {
+    log_->write(LogLevel::kInfo, "%s%s", std::string(start, 'a').c_str(),
+                std::string(Log::kTextBytes, '\x1b').c_str());
+  }
+  log_->drain(monotonic_now());
+  for (const std::string& line : lines()) {
+    EXPECT_THAT(line, MatchesRegex("<6>a*(\\\\x1b)+[.][.][.]"));
+    EXPECT_LT(line.size(), Log::kTextBytes + 3);
+  }
 }
 
 TEST_F(LogTest, AFullQueueCountsAndTells) {

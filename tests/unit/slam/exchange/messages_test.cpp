@@ -62,24 +62,6 @@ TEST(Messages, HelloInBytes) {
   EXPECT_EQ(read.text(), "r\xC3\xB6t-1");
 }
 
-TEST(Messages, NamesAreUtf8WithoutControlCharacters) {
-  EXPECT_TRUE(is_name("a"));
-  EXPECT_TRUE(is_name(std::string(32, 'x')));
-  EXPECT_TRUE(is_name("\xF0\x9F\xA4\x96"));
-  EXPECT_FALSE(is_name(""));
-  EXPECT_FALSE(is_name(std::string(33, 'x')));
-  EXPECT_FALSE(is_name("a\nb"));
-  EXPECT_FALSE(is_name("a\x7F"));
-  EXPECT_FALSE(is_name("\xC2\x85"));          // next line
-  EXPECT_FALSE(is_name("\xC0\xAF"));          // a long form of '/'
-  EXPECT_FALSE(is_name("\xE0\x80\xAF"));      // another
-  EXPECT_FALSE(is_name("\xED\xA0\x80"));      // a surrogate
-  EXPECT_FALSE(is_name("\xF4\x90\x80\x80"));  // above U+10FFFF
-  EXPECT_FALSE(is_name("\xC3"));              // cut
-  EXPECT_FALSE(is_name("\xC3x"));
-  EXPECT_FALSE(is_name("\xFF"));
-}
-
 TEST(Messages, ChallengeAndResponseInBytes) {
   Challenge c;
   c.robot = 0x0102030405060708U;
