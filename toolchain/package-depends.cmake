@@ -14,8 +14,8 @@ find_depends(CPACK_DEBIAN_DAEMON_PACKAGE_DEPENDS ${build}/platform/daemon/zenith
 set(CPACK_DEBIAN_DAEMON_PACKAGE_DEPENDS
     "systemd (>= 247), udev, init-system-helpers (>= 1.54), ${CPACK_DEBIAN_DAEMON_PACKAGE_DEPENDS}")
 # The driver for libcamera is loaded where it is asked for.
-if(EXISTS ${build}/drivers/camera/zenith-libcamera.so)
-  find_depends(module_depends ${build}/drivers/camera/zenith-libcamera.so)
+if(EXISTS ${build}/lib/zenith/zenith-libcamera.so)
+  find_depends(module_depends ${build}/lib/zenith/zenith-libcamera.so)
   string(REGEX MATCH "libcamera[^,]*" libcamera "${module_depends}")
   string(APPEND CPACK_DEBIAN_DAEMON_PACKAGE_RECOMMENDS ", ${libcamera}")
 endif()

@@ -9,7 +9,7 @@ set -uo pipefail
 said=$(mktemp)
 status=0
 filter='*CameraContract.*:*CanBusContract.*:VirtualCan.*:GpiodLedsTest.*'
-if [[ ! -e $HIL_BUILD/drivers/camera/zenith-libcamera.so ]]; then
+if [[ ! -e $HIL_BUILD/lib/zenith/zenith-libcamera.so ]]; then
   echo "libcamera: NOT TESTED: its driver was not built for this board"
   filter+=':-*Libcamera*'
 fi
