@@ -1,11 +1,20 @@
 # shellcheck shell=bash
-# Debian's packages of any architecture, without a trace in the system's own apt; sourced, never
-# run. They come from the archives that the system's apt names. debian_cache is the folder for
-# apt's lists. Every function returns 1 when it fails, with the reason on stderr.
+# Debian's packages of any architecture and release, without a trace in the system's own apt; sourced,
+# never run. They come from the archives that the system's apt names. debian_cache is the folder for
+# apt's lists, debian_suite the release (bookworm, trixie; empty: the system's own). Every function
+# returns 1 when it fails, with the reason on stderr.
 
 debian_cache=${debian_cache:-build/apt}
+debian_suite=${debian_suite:-}
 
-# debian_sources: one-line sources of the Debian archives that the system's apt uses.
+# debian_own_suite: the name of the system's own release, such as bookworm.
+debian_own_suite() { (. /etc/os-release && printf '%s\n' "${VERSION_CODENAME:-unknown}"); }
+
+# debian_packages_of FILE...: the packages in lists with one a line and comments behind #.
+debian_packages_of() { sed -e 's/#.*//' -e '/^[[:space:]]*$/d' "$@" | awk '{ print $1 }'; }
+
+# debian_sources: one-line sources of the Debian archives that the system's apt uses. For another
+# release they are the same archives under that release's name.
 debian_sources() {
   # shellcheck disable=SC2016  # apt's fields, not the shell's variables
   local format='deb $(REPO_URI) $(RELEASE) $(COMPONENT)' lines
@@ -13,7 +22,9 @@ debian_sources() {
   [[ -n $lines ]] ||
     lines=$(apt-get indextargets --format "$format" 'Created-By: Packages' | sort -u)
   [[ -n $lines ]] || { echo "apt knows no archive of packages: see /etc/apt" >&2; return 1; }
-  printf '%s\n' "$lines"
+  printf '%s\n' "$lines" | awk -v suite="$debian_suite" '
+    suite != "" { sub(/^[^-]*/, suite, $3) }
+    { print }'
 }
 
 # debian_apt ARCH apt-get|apt-cache ARGS...: apt for ARCH (amd64, arm64, armhf) with folders of its own.

@@ -3,6 +3,9 @@
 # bridge to ROS 2.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME zenith)
+# 0.1.0+deb12, 0.1.0+deb13: a package is for the release whose libraries it was linked with, and that
+# of the later release is the newer one.
+set(CPACK_DEBIAN_PACKAGE_VERSION ${ZENITH_PACKAGE_VERSION})
 set(CPACK_PACKAGE_CONTACT "The Zenith maintainers <maintainers@zenith.invalid>")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_PACKAGE_DIRECTORY ${PROJECT_BINARY_DIR}/packages)
