@@ -40,6 +40,9 @@ struct CameraCounters {
   std::uint64_t opened = 0;
   std::uint64_t lost = 0;     // times that wait() found the stream gone
   std::uint64_t stalled = 0;  // of these: no error, but no frame either
+  // Streams that could neither be stopped nor destroyed because their device was gone, and whose
+  // memory and descriptors stay taken (libcamera).
+  std::uint64_t abandoned = 0;
 };
 
 class Camera {

@@ -10,6 +10,7 @@
 #include <libcamera/control_ids.h>
 
 #include "drivers/camera/libcamera_controls.h"
+#include "drivers/camera/vanished_device.h"
 #include "platform/linux/clock.h"
 #include "platform/linux/errno_text.h"
 #include "platform/linux/wait_readable.h"
@@ -50,6 +51,12 @@ std::string rate_text(double rate_hz) {
 Status LibcameraCamera::open() {
   close();
   Status status = check_settings(settings_);
+  if (counters_.abandoned >= kMaxAbandoned) {
+    status =
+        Error{"the device of libcamera's camera vanished " + std::to_string(counters_.abandoned) +
+              " times, and each time libcamera kept memory and descriptors; restart zenithd, "
+              "and look at the camera's cable and power"};
+  }
   if (status) status = start();
   if (!status) close();
   return status;
@@ -134,6 +141,7 @@ Status LibcameraCamera::start_stream() {
                  ", " + rate_text(rate_hz);
   stop_.store(false);
   failure_.store(nullptr);
+  disconnected_.store(false);
   camera_->requestCompleted.connect(this, &LibcameraCamera::finished);
   camera_->disconnected.connect(this, &LibcameraCamera::disconnected);
   streaming_ = true;
@@ -184,6 +192,9 @@ void LibcameraCamera::close() {
 
 // All that is libcamera's goes before its manager.
 void LibcameraCamera::end_stream() {
+  if (streaming_ && (disconnected_.load() || has_vanished(open_video_devices()))) {
+    return abandon_stream();
+  }
   if (streaming_) {
     camera_->stop();
     camera_->requestCompleted.disconnect(this);
@@ -196,6 +207,27 @@ void LibcameraCamera::end_stream() {
   mode_ = {};
   camera_->release();
   camera_.reset();
+}
+
+// What libcamera may still look at stays where it is, for ever. Its thread ends with the manager.
+void LibcameraCamera::abandon_stream() {
+  struct Abandoned {
+    std::shared_ptr<libcamera::Camera> camera;
+    std::unique_ptr<libcamera::FrameBufferAllocator> allocator;
+    std::vector<std::unique_ptr<libcamera::Request>> requests;
+    std::unique_ptr<libcamera::CameraConfiguration> configuration;
+  };
+  static auto& all = *new std::vector<Abandoned>;  // not destroyed at the program's end either
+  camera_->requestCompleted.disconnect(this);
+  camera_->disconnected.disconnect(this);
+  streaming_ = false;
+  buffers_.unmap();
+  all.push_back({std::move(camera_), std::move(allocator_), std::move(requests_),
+                 std::move(mode_.configuration)});
+  camera_.reset();
+  requests_.clear();
+  mode_ = {};
+  ++counters_.abandoned;
 }
 
 void LibcameraCamera::finished(libcamera::Request* request) {
@@ -213,6 +245,7 @@ void LibcameraCamera::finished(libcamera::Request* request) {
 }
 
 void LibcameraCamera::disconnected() {
+  disconnected_.store(true);
   failure_.store("the camera was unplugged");
   signal(finished_event_);
 }

@@ -5,6 +5,12 @@
 // back allocates and locks, so a thread of our own does it. Grey and YUV frames are used where they
 // lie; others cost one copy (luma_format.h). Stamps: sensor_clock.h, then frame_stamps.h.
 //
+// A device that vanishes leaves its requests queued in libcamera, which (0.0.3) ends the whole
+// process by an assertion when such a stream is stopped, and may when its camera is destroyed. So
+// it is abandoned: never stopped, never destroyed, and what it holds (some twenty descriptors, a
+// few megabytes) stays taken until the program ends. The next open() begins with a manager of its
+// own. After kMaxAbandoned of them open() refuses.
+//
 // A frame that lay there when wait() was called, the camera having run out of buffers since, may be
 // old. wait() then waits for a fresh one as long as its timeout allows.
 
@@ -48,6 +54,7 @@ class LibcameraCamera final : public Camera {
 
  private:
   static constexpr std::size_t kQueued = 64;  // more than buffers
+  static constexpr std::uint64_t kMaxAbandoned = 16;
 
   // A finished request, as libcamera's thread saw it.
   struct Finished {
@@ -63,6 +70,7 @@ class LibcameraCamera final : public Camera {
   Status make_requests();
   Status start_stream();
   void end_stream();
+  void abandon_stream();
   // Of libcamera's thread.
   void finished(libcamera::Request* request);
   void disconnected();
@@ -96,6 +104,7 @@ class LibcameraCamera final : public Camera {
   Thread giver_;
   std::atomic<bool> stop_ = false;
   std::atomic<const char*> failure_ = nullptr;  // a static text, once something is wrong
+  std::atomic<bool> disconnected_ = false;
   bool streaming_ = false;
 
   CameraCounters counters_;

@@ -29,6 +29,7 @@ void write_camera(JsonLine& line, const PerceptionReport& report) {
       .count("opened", c.opened)
       .count("lost", c.lost)
       .count("stalled", c.stalled)
+      .count("abandoned", c.abandoned)
       .end();
 }
 
