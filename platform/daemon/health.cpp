@@ -43,7 +43,9 @@ Health judge_health(const PerceptionReport& report, const Lately& lately, Time s
   const bool no_frames = without_frames > kDegradedAfter;
   const bool no_wheels = without_wheels > kDegradedAfter;
   std::string reason;
-  if (no_frames) {
+  if (report.camera_frozen && (report.camera_up || !no_frames)) {
+    reason = "the camera's picture is frozen";
+  } else if (no_frames) {
     reason = report.camera_up ? "no frames from the camera" : "no camera";
   } else if (no_wheels) {
     reason = report.bus_off   ? "the CAN bus is off"

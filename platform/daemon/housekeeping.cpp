@@ -37,6 +37,10 @@ const char* event_name(PerceptionEventKind kind) {
       return "first-pose";
     case PerceptionEventKind::kCameraLost:
       return "camera-lost";
+    case PerceptionEventKind::kPictureFrozen:
+      return "camera-frozen";
+    case PerceptionEventKind::kPictureMoves:
+      return "camera-moves";
     case PerceptionEventKind::kCanLost:
       return "can-lost";
     case PerceptionEventKind::kBusOff:
@@ -139,6 +143,12 @@ void Housekeeping::log_event(const PerceptionEvent& event) const {
       return log_line(LogLevel::kNotice, fields, "first pose");
     case PerceptionEventKind::kCameraLost:
       return log_line(LogLevel::kWarning, fields, "camera lost: %s; opening it again", event.text);
+    case PerceptionEventKind::kPictureFrozen:
+      return log_line(LogLevel::kWarning, fields,
+                      "the camera's picture is frozen: the robot moves, and frames with new stamps "
+                      "show the same; they are not used");
+    case PerceptionEventKind::kPictureMoves:
+      return log_line(LogLevel::kNotice, fields, "the camera's picture moves again");
     case PerceptionEventKind::kCanLost:
       return log_line(LogLevel::kWarning, fields, "CAN bus lost: %s; opening it again", event.text);
     case PerceptionEventKind::kBusOff:

@@ -94,13 +94,13 @@ void Perception::wait_for_frame() {
       deadlines_.wake_up.add(now - (before + kSlice));
       return;
     case CameraWait::kLost:
-      return lose_camera();
+      return lose_camera(devices_.camera->lost_reason());
     case CameraWait::kFrame:
       break;
   }
-  report_.last_frame = now;
   const Lens& lens = devices_.robot.lens;
   if (frame.luma.width != lens.width_px || frame.luma.height != lens.height_px) {
+    report_.last_frame = now;
     ++report_.frames_unfit;
     return;
   }
@@ -141,6 +141,7 @@ std::size_t Perception::receive_can(Duration timeout) {
 
 void Perception::keep(const WheelSample& sample, Time now) {
   report_.last_wheels = now;
+  frozen_.note_wheels(sample);
   if (wheels_.full()) {
     // Travel is a total: without its older half the newer one is as good.
     const std::size_t half = wheels_.size() / 2;
@@ -164,13 +165,36 @@ void Perception::note_can_state() {
   can_turn_.give_to_keeper();
 }
 
-void Perception::lose_camera() {
-  tell(PerceptionEventKind::kCameraLost, devices_.camera->lost_reason());
+void Perception::lose_camera(const char* why) {
+  tell(PerceptionEventKind::kCameraLost, why);
   report_.camera = devices_.camera->counters();
   camera_turn_.give_to_keeper();
 }
 
+// Whether the frame shows what was seen elsewhere: it is not used then. Its wheels stay for the
+// next one.
+bool Perception::pass_over_old_picture() {
+  const FrozenPicture::Verdict verdict = frozen_.judge(frame_->luma);
+  const bool was_frozen = report_.camera_frozen;
+  report_.camera_frozen = verdict == FrozenPicture::Verdict::kFrozen;
+  if (report_.camera_frozen && !was_frozen) tell(PerceptionEventKind::kPictureFrozen);
+  if (was_frozen && !report_.camera_frozen) tell(PerceptionEventKind::kPictureMoves);
+  if (verdict != FrozenPicture::Verdict::kStale && !report_.camera_frozen) {
+    report_.last_frame = received_;
+    return false;
+  }
+  ++report_.frames_frozen;
+  frame_.reset();
+  const Time now = monotonic_now();
+  if (report_.camera_frozen && now >= next_reopening_) {
+    next_reopening_ = now + kReopenFrozen;
+    lose_camera("its picture is frozen");
+  }
+  return true;
+}
+
 void Perception::use_frame() {
+  if (pass_over_old_picture()) return;
   const Time start = monotonic_now();
   const Duration cpu_start = thread_cpu_time();
   if (wheels_.empty() || wheels_[wheels_.size() - 1].stamp < frame_->stamp) ++report_.wheels_late;

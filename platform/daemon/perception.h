@@ -19,6 +19,7 @@
 #include "platform/daemon/deadlines.h"
 #include "platform/daemon/devices.h"
 #include "platform/daemon/exchange.h"
+#include "platform/daemon/frozen_picture.h"
 #include "platform/daemon/load_shedder.h"
 #include "platform/daemon/perception_report.h"
 #include "platform/daemon/tap/tap.h"
@@ -40,6 +41,8 @@ class Perception {
  public:
   // The longest single wait: how soon it sees a stop, and how long CAN frames may lie.
   static constexpr Duration kSlice = {5'000'000};
+  // A camera whose picture is frozen is opened again so often, at most.
+  static constexpr Duration kReopenFrozen = {5'000'000'000};
 
   // Allocates all that it needs. `devices`, `exchange` and `tap` must outlive it; without a tap
   // (null) nobody can record.
@@ -84,7 +87,8 @@ class Perception {
   std::size_t receive_can(Duration timeout);
   void keep(const WheelSample& sample, Time now);
   void note_can_state();
-  void lose_camera();
+  void lose_camera(const char* why);
+  bool pass_over_old_picture();
   void use_frame();
   void receive_peers();
   void publish();
@@ -98,6 +102,8 @@ class Perception {
   Exchange& exchange_;
   tap::Tap* const tap_;
   WheelDecoder decoder_;
+  FrozenPicture frozen_;
+  Time next_reopening_;  // for a frozen picture
   Duration period_;
   LiveSettings live_;
   MemoryBlock memory_;

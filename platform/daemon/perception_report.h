@@ -58,8 +58,9 @@ struct PerceptionReport {
   bool camera_up = false;
   bool can_up = false;
   bool bus_off = false;
-  Time last_frame;   // received
-  Time last_wheels;  // a sample of the wheels was decoded
+  bool camera_frozen = false;  // the same picture again and again while the robot moves
+  Time last_frame;             // received, and not of a frozen picture
+  Time last_wheels;            // a sample of the wheels was decoded
   CameraCounters camera;
   CanCounters can;
   WheelDecoderCounters wheels;
@@ -69,6 +70,7 @@ struct PerceptionReport {
   bool sheds = false;
   std::uint64_t frames_shed = 0;
   std::uint64_t frames_unfit = 0;           // not as large as the lens says: not used
+  std::uint64_t frames_frozen = 0;          // old pictures under new stamps: not used
   std::uint64_t wheels_late = 0;            // frames that did not get the wheels of their moment
   std::uint64_t wheel_samples_dropped = 0;  // no frame came to use them
   PageFaults faults;                        // of the thread since the loop began
@@ -80,6 +82,8 @@ void note_step(PerceptionReport& report, const StepOutput& output);
 enum class PerceptionEventKind : std::uint8_t {
   kFirstPose,
   kCameraLost,  // `text`: why
+  kPictureFrozen,
+  kPictureMoves,  // again
   kCanLost,
   kBusOff,
   kBusBack,

@@ -25,6 +25,7 @@ void write_camera(JsonLine& line, const PerceptionReport& report) {
       .count("lost_in_driver", c.lost_in_driver)
       .count("damaged", c.damaged)
       .count("unfit", report.frames_unfit)
+      .count("frozen", report.frames_frozen)
       .count("stamps_replaced", c.stamps_replaced)
       .count("opened", c.opened)
       .count("lost", c.lost)

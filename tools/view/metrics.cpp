@@ -59,6 +59,8 @@ constexpr std::array kMetrics = {
            "/camera/lost_in_driver"},
     Metric{"zenith_camera_damaged_frames_total", kCounter, "frames that came damaged", "health",
            "/camera/damaged"},
+    Metric{"zenith_camera_frozen_frames_total", kCounter,
+           "old pictures under new stamps, while the robot moved", "health", "/camera/frozen"},
     Metric{"zenith_camera_unfit_frames_total", kCounter, "frames of another size than the lens",
            "health", "/camera/unfit"},
     Metric{"zenith_camera_losses_total", kCounter, "how often the camera was lost", "health",

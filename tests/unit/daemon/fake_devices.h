@@ -52,10 +52,10 @@ class FakeRobot {
   void drive() {
     driver_ = std::thread([this] {
       int millimetres = 0;
-      for (int i = 0; !stop_.load(); ++i, millimetres += 2) {
+      for (int i = 0; !stop_.load(); ++i, millimetres += stands.load() ? 0 : 2) {
         sleep_until(monotonic_now() + Duration{10'000'000});
         if (i % 5 == 0) {
-          paint(millimetres / 4);
+          if (!freezes.load()) paint(millimetres / 4);
           camera->deliver(monotonic_now(), pixels_);
         }
         if (wheels_on.load()) can->send(odometer_frame(monotonic_now(), millimetres, millimetres));
@@ -71,6 +71,8 @@ class FakeRobot {
   SimulatedCamera* camera = nullptr;
   SimulatedCanBus* can = nullptr;
   std::atomic<bool> wheels_on = true;
+  std::atomic<bool> stands = false;   // the wheels go on telling, but do not turn
+  std::atomic<bool> freezes = false;  // frames come with new stamps, and show what the last one did
 
  private:
   void paint(int shift_px) {

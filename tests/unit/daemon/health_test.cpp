@@ -58,6 +58,16 @@ TEST(Health, SaysWhatIsMissing) {
   report.last_frame = now - Duration{2 * kSecond};
   EXPECT_EQ(at(report, now).light, RobotLight::kDegraded);
   EXPECT_EQ(at(report, now).reason, "no frames from the camera");
+  report.camera_frozen = true;
+  EXPECT_EQ(at(report, now).reason, "the camera's picture is frozen");
+  report.camera_up = false;
+  EXPECT_EQ(at(report, now).reason, "no camera") << "it does not open again";
+  report = mapping(now);
+  report.camera_frozen = true;
+  EXPECT_EQ(at(report, now).light, RobotLight::kDegraded) << "at once";
+  EXPECT_EQ(at(report, now).reason, "the camera's picture is frozen");
+  report = mapping(now);
+  report.last_frame = now - Duration{2 * kSecond};
   report.camera_up = false;
   EXPECT_EQ(at(report, now).reason, "no camera");
   report = mapping(now);

@@ -64,7 +64,7 @@ TEST(LightsPage, HasTheRhythmOfEachState) {
 // All that judge_health() can say.
 std::set<std::string> reasons() {
   std::set<std::string> all = {kMapNotKept};
-  for (int bits = 0; bits < 64; ++bits) {
+  for (int bits = 0; bits < 128; ++bits) {
     const auto is = [bits](int bit) { return (bits >> bit & 1) != 0; };
     PerceptionReport report;
     report.has_pose = true;
@@ -74,6 +74,7 @@ std::set<std::string> reasons() {
     report.sheds = is(3);
     report.last_frame = is(4) ? kNow : Time{};
     report.last_wheels = is(5) ? kNow : Time{};
+    report.camera_frozen = is(6);
     for (const std::uint64_t missed : {0, 9}) {
       const Health health = judge_health(report, {10, missed}, {}, kNow);
       if (!health.reason.empty()) all.insert(health.reason);

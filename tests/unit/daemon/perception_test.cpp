@@ -9,6 +9,7 @@
 
 #include "platform/daemon/device_keeper.h"
 #include "tests/memory/heap_guard.h"
+#include "tests/support/patience.h"
 #include "tests/unit/daemon/fake_devices.h"
 
 namespace zenith {
@@ -20,10 +21,18 @@ Parameters few_particles() {
   return parameters;
 }
 
+// However slow the computer: a frame waits for its wheels, and no step is too long.
+LiveSettings calm_settings() {
+  LiveSettings live;
+  live.patience = kPatience;
+  live.load.busy_share = 1e6;
+  return live;
+}
+
 // The perception thread with a keeper, as in the daemon.
 class PerceptionRig {
  public:
-  explicit PerceptionRig(const LiveSettings& live = {})
+  explicit PerceptionRig(const LiveSettings& live = calm_settings())
       : perception(robot.devices, few_particles(), 1, live, *exchange, &tap),
         keeper_(*robot.devices.camera, perception.camera_turn(), *robot.devices.can,
                 perception.can_turn()) {
@@ -52,13 +61,13 @@ class PerceptionRig {
     perception.read(report);
     return report;
   }
-  // Until it holds, at most 20 s.
   bool wait_for(const std::function<bool(const PerceptionReport&)>& holds) const {
-    for (int i = 0; i < 2000; ++i) {
-      if (holds(report())) return true;
+    const Time limit = monotonic_now() + kPatience;
+    while (!holds(report())) {
+      if (monotonic_now() > limit) return false;
       sleep_until(monotonic_now() + Duration{10'000'000});
     }
-    return false;
+    return true;
   }
   // Events are taken as they are looked for.
   bool saw(PerceptionEventKind kind) {
@@ -145,7 +154,7 @@ TEST(Perception, TakesNothingFromTheHeap) {
   rig.robot.can->set_up(false);
   ASSERT_TRUE(rig.wait_for([](const auto& r) { return r.camera.opened == 2 && !r.can_up; }));
   rig.robot.can->set_up(true);
-  rig.perception.set_live({});
+  rig.perception.set_live(calm_settings());
   LandmarkRecord landmark;
   for (std::uint32_t i = 0; i < 300; ++i) {
     landmark.id = i;
@@ -178,13 +187,12 @@ TEST(Perception, LeavesCopiesInTheTapWithoutTheHeap) {
       rig.tap.give_back(frame);
     }
   };
-  ASSERT_TRUE(rig.wait_for([&](const auto& r) {
+  EXPECT_TRUE(rig.wait_for([&](const auto&) {
     take_all();
-    return r.steps.frames >= 50;
+    return frames > 20;
   }));
   rig.stop();
   take_all();
-  EXPECT_GT(frames, 20u);
   ASSERT_TRUE(rig.tap.next(can));
   EXPECT_EQ(can.id, agilex_v2::kOdometerId);
   ASSERT_TRUE(rig.tap.next(pose));
@@ -203,8 +211,8 @@ TEST(Perception, LostDevicesComeBackAndTheMapStays) {
   EXPECT_TRUE(rig.saw(PerceptionEventKind::kCameraLost));
   const std::uint64_t beat = rig.perception.heartbeat();
   const auto frames = rig.report().steps.frames;
-  sleep_until(monotonic_now() + Duration{100'000'000});
-  EXPECT_GT(rig.perception.heartbeat(), beat) << "the loop goes on without a camera";
+  EXPECT_TRUE(rig.wait_for([&](const auto&) { return rig.perception.heartbeat() > beat + 10; }))
+      << "the loop goes on without a camera";
   EXPECT_EQ(rig.report().steps.frames, frames);
   rig.robot.camera->set_plugged(true);
   ASSERT_TRUE(rig.wait_for([&](const auto& r) { return r.steps.frames > frames + 5; }));
@@ -226,24 +234,65 @@ TEST(Perception, LostDevicesComeBackAndTheMapStays) {
   EXPECT_GT(rig.report().T_start_robot.x_m, 0.02);
 }
 
+// A loop-back device whose writer died, a driver that hangs: old pictures under new stamps.
+TEST(Perception, AFrozenPictureIsNotUsedAndItsCameraIsOpenedAgain) {
+  PerceptionRig rig;
+  rig.start();
+  ASSERT_TRUE(rig.wait_for([](const auto& r) { return r.steps.frames >= 20; }));
+  EXPECT_EQ(rig.report().frames_frozen, 0u);
+  rig.robot.freezes.store(true);
+  ASSERT_TRUE(rig.wait_for([](const auto& r) { return r.camera_frozen && r.camera.opened >= 2; }));
+  EXPECT_TRUE(rig.saw(PerceptionEventKind::kPictureFrozen));
+  EXPECT_TRUE(rig.saw(PerceptionEventKind::kCameraLost));
+  EXPECT_FALSE(rig.saw(PerceptionEventKind::kPictureMoves));
+  const PerceptionReport frozen = rig.report();
+  // Opened again it gives the same picture still: none of these frames is used.
+  ASSERT_TRUE(
+      rig.wait_for([&](const auto& r) { return r.frames_frozen > frozen.frames_frozen + 10; }));
+  EXPECT_EQ(rig.report().steps.frames, frozen.steps.frames);
+  EXPECT_EQ(rig.report().last_frame, frozen.last_frame) << "health sees no frames";
+  rig.robot.freezes.store(false);
+  ASSERT_TRUE(rig.wait_for(
+      [&](const auto& r) { return !r.camera_frozen && r.steps.frames > frozen.steps.frames + 5; }));
+  EXPECT_TRUE(rig.saw(PerceptionEventKind::kPictureMoves));
+  rig.stop();
+  EXPECT_EQ(rig.heap_calls, 0u);
+}
+
+TEST(Perception, ARobotThatStandsBeforeAnEqualPictureHasAGoodCamera) {
+  PerceptionRig rig;
+  rig.robot.stands.store(true);
+  rig.start();
+  ASSERT_TRUE(rig.wait_for([](const auto& r) { return r.steps.frames >= 60; }));
+  const PerceptionReport report = rig.report();
+  EXPECT_EQ(report.frames_frozen, 0u);
+  EXPECT_FALSE(report.camera_frozen);
+  EXPECT_EQ(report.camera.opened, 1u);
+}
+
 TEST(Perception, WaitsForWheelsButNotForEver) {
-  LiveSettings live;
+  LiveSettings live = calm_settings();
   live.patience = {20'000'000};
   PerceptionRig rig(live);
   rig.robot.wheels_on.store(false);
   rig.start();
   ASSERT_TRUE(rig.wait_for([](const auto& r) { return r.steps.frames >= 5; }));
-  EXPECT_EQ(rig.report().wheels_late, rig.report().steps.frames);
+  const PerceptionReport without = rig.report();
+  EXPECT_EQ(without.wheels_late, without.steps.frames);
   rig.robot.wheels_on.store(true);
+  rig.perception.set_live(calm_settings());
   ASSERT_TRUE(rig.wait_for([](const auto& r) { return r.wheels.samples > 20; }));
-  const auto late = rig.report().wheels_late;
-  const auto frames = rig.report().steps.frames;
-  ASSERT_TRUE(rig.wait_for([&](const auto& r) { return r.steps.frames >= frames + 10; }));
-  EXPECT_LT(rig.report().wheels_late - late, 10u);
+  // A frame of before may still be under way.
+  const auto begun = rig.report().steps.frames;
+  ASSERT_TRUE(rig.wait_for([&](const auto& r) { return r.steps.frames >= begun + 2; }));
+  const PerceptionReport before = rig.report();
+  ASSERT_TRUE(
+      rig.wait_for([&](const auto& r) { return r.steps.frames >= before.steps.frames + 10; }));
+  EXPECT_EQ(rig.report().wheels_late, before.wheels_late);
 }
 
 TEST(Perception, ShedsCornersWhenStepsTakeTooLong) {
-  LiveSettings slow;
+  LiveSettings slow = calm_settings();
   slow.load = {1e-6, 40, kMaxCorners};  // any step is too long
   PerceptionRig rig(slow);
   rig.start();
@@ -252,8 +301,8 @@ TEST(Perception, ShedsCornersWhenStepsTakeTooLong) {
   ASSERT_TRUE(rig.wait_for([](const auto& r) { return r.steps.frames >= 20; }));
   EXPECT_LE(rig.report().corners, 40);
   EXPECT_GT(rig.report().frames_shed, 10u);
-  LiveSettings patient;
-  patient.load = {1.0, 40, 40};
+  LiveSettings patient = calm_settings();
+  patient.load = {1e6, 40, 40};
   rig.perception.set_live(patient);
   ASSERT_TRUE(rig.wait_for([](const auto& r) { return !r.sheds; }));
   EXPECT_EQ(rig.report().corners_max, 40);
