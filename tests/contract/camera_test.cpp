@@ -7,14 +7,14 @@
 
 #include "tests/contract/allocations.h"
 #include "tests/contract/camera_rigs.h"
+#include "tests/support/patience.h"
 
 namespace zenith {
 namespace {
 
-constexpr Duration kPatience = {20'000'000'000};
 constexpr Duration kShort = {30'000'000};
-// "At once", on a machine that may be busy with other things.
-constexpr Duration kSoon = {2'000'000'000};
+// "At once": it did not wait, however slow the computer.
+constexpr Duration kSoon = {kPatience.ns / 2};
 
 class CameraContract : public ::testing::TestWithParam<std::size_t> {
  protected:

@@ -77,8 +77,9 @@ class SimulatedRig final : public CanBusRig {
 class ReplayedRig final : public CanBusRig {
  public:
   std::unique_ptr<CanBus> make(const CanIds& ids, const std::vector<CanFrame>& frames) override {
-    // Far enough in the future that a busy machine has opened it by then.
-    const ReplayTiming timing = {Time{77'000}, monotonic_now() + Duration{300'000'000}};
+    begin_ = monotonic_now() + lead_;
+    lead_ = {2 * lead_.ns};
+    const ReplayTiming timing = {Time{77'000}, begin_};
     std::vector<CanFrame> recorded = frames;
     for (std::size_t i = 0; i < recorded.size(); ++i) {
       recorded[i].stamp = timing.recorded + Duration{static_cast<std::int64_t>(i) * 100'000};
@@ -86,10 +87,15 @@ class ReplayedRig final : public CanBusRig {
     return std::make_unique<ReplayedCanBus>(recorded, timing, ids);
   }
   void send() override {}
+  bool plays_already() const override { return monotonic_now() >= begin_; }
   Time now() const override { return monotonic_now(); }
   bool can_fail() const override { return false; }
   void set_up(bool) override {}
   void set_bus_off(bool) override {}
+
+ private:
+  Duration lead_ = {150'000'000};
+  Time begin_;
 };
 
 class KernelRig final : public CanBusRig {

@@ -22,6 +22,8 @@ class CanBusRig {
   virtual std::unique_ptr<CanBus> make(const CanIds& ids, const std::vector<CanFrame>& frames) = 0;
   // The bus is open: sends the frames. A recording plays by itself.
   virtual void send() = 0;
+  // The moment is over at which a recording begins to play; the next one that is made plays later.
+  virtual bool plays_already() const { return false; }
   // The clock of stamps and timeouts.
   virtual Time now() const = 0;
 

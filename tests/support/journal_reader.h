@@ -12,6 +12,8 @@
 #include <string>
 #include <string_view>
 
+#include "tests/support/patience.h"
+
 namespace zenith {
 
 using JournalFields = std::map<std::string, std::string>;
@@ -47,7 +49,7 @@ class JournalReader {
     address.sun_family = AF_UNIX;
     std::memcpy(address.sun_path, path.data(), path.size());
     (void)::bind(fd_, reinterpret_cast<sockaddr*>(&address), sizeof address);
-    const timeval patience = {10, 0};
+    const timeval patience = {static_cast<time_t>(kPatience_s), 0};
     ::setsockopt(fd_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
   }
   ~JournalReader() { ::close(fd_); }

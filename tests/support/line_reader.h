@@ -11,6 +11,7 @@
 #include <string>
 
 #include "platform/base/time.h"
+#include "tests/support/patience.h"
 
 namespace zenith {
 
@@ -40,7 +41,7 @@ class LineReader {
   void say(const std::string& text) { (void)::send(fd_, text.data(), text.size(), MSG_NOSIGNAL); }
 
   // The next line; empty when there is none in time, or the daemon has left.
-  std::string next(Duration limit = {10'000'000'000}) {
+  std::string next(Duration limit = kPatience) {
     constexpr std::int64_t kSecond_ns = 1'000'000'000;
     timeval wait = {limit.ns / kSecond_ns, limit.ns % kSecond_ns / 1000};
     if (limit.ns < 1000) wait = {0, 1};  // zero would wait for ever

@@ -9,6 +9,7 @@
 
 #include "platform/base/base64.h"
 #include "platform/linux/unique_fd.h"
+#include "tests/support/patience.h"
 #include "tests/unit/tools/temporary_folder.h"
 
 namespace zenith {
@@ -65,7 +66,7 @@ Browser::Browser(const std::filesystem::path& folder) {
   driver_ = std::make_unique<Process>(std::vector<std::string>{kDriver, "--port=0"}, output,
                                       (folder / "chromedriver.log").string());
   const std::regex started("successfully on port ([0-9]+)");
-  if (!wait_until(30.0, [&] {
+  if (!wait_until(kPatience_s, [&] {
         std::smatch match;
         const std::string said = tools::read_text(output);
         if (std::regex_search(said, match, started)) port_ = std::stoi(match[1]);
@@ -88,7 +89,7 @@ Browser::Browser(const std::filesystem::path& folder) {
 Browser::~Browser() {
   if (good()) (void)call("DELETE", "/session/" + session_, json::object());
   driver_->send(SIGTERM);
-  (void)driver_->wait(10.0);
+  (void)driver_->wait(kPatience_s);
 }
 
 json Browser::call(const std::string& method, const std::string& path, const json& body) {

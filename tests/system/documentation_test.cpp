@@ -15,6 +15,7 @@
 
 #include "platform/link/fleet_key.h"
 #include "tests/support/markdown.h"
+#include "tests/support/patience.h"
 #include "tests/system/net_world.h"
 #include "tests/system/process.h"
 #include "tests/system/shell_block.h"
@@ -26,9 +27,9 @@ namespace {
 namespace fs = std::filesystem;
 using testing::IsEmpty;
 
-constexpr double kBlock_s = 100.0;  // the machine may do other work
-constexpr double kMoment_s = 1.5;   // before Ctrl-C, counted from the first word that is said
-constexpr double kFirstWord_s = 40.0;
+constexpr double kBlock_s = kPatience_s;
+constexpr double kMoment_s = 1.5;  // before Ctrl-C, counted from the first word that is said
+constexpr double kFirstWord_s = kPatience_s;
 
 std::string page_name(const fs::path& page) {
   std::string name = page.lexically_relative(ZENITH_SOURCE_DIR).replace_extension().string();

@@ -81,12 +81,17 @@ void FleetTest::attack(const Daemons& all, SimDaemon& victim) {
   const auto alignment = victim.merged("r2");
 
   std::unique_ptr<Hostile> hostile;
+  UniqueFd sockets;
+  ASSERT_TRUE(world_.on(
+      1, [&] { sockets = UniqueFd(::open("/proc/thread-self/net/udp", O_RDONLY | O_CLOEXEC)); }));
+  ASSERT_TRUE(sockets.is_open());
   ASSERT_TRUE(world_.on(3, [&] {
-    hostile = std::make_unique<Hostile>(NetWorld::address(1) + ":21474", seed.value());
+    hostile = std::make_unique<Hostile>(NetWorld::address(1) + ":21474", std::move(sockets),
+                                        seed.value());
     if (!hostile->open()) hostile.reset();
   }));
   ASSERT_TRUE(hostile);
-  const auto recorded = hostile->record({4'000'000'000});
+  const auto recorded = hostile->record({4'000'000'000}, 5);
   ASSERT_GT(recorded.size(), 4u) << "nothing to replay";
   std::uint64_t sent = 0;
   for (int round = 0; round < 20; ++round) {
@@ -98,7 +103,7 @@ void FleetTest::attack(const Daemons& all, SimDaemon& victim) {
   sent += hostile->flood(2000);
   sent += hostile->knock(*keys, 500);
   sent += hostile->speak_other_versions(*keys, 300);
-  EXPECT_TRUE(listen_until(all, 20.0, [&] { return sum() >= rejected + sent; }))
+  EXPECT_TRUE(listen_until(all, kLimit_s, [&] { return sum() >= rejected + sent; }))
       << "sent " << sent << ", rejected " << sum() - rejected << ": " << victim.latest("radio");
   print_figure("two daemons over UDP: of %llu hostile datagrams %llu were rejected",
                static_cast<unsigned long long>(sent),
@@ -121,7 +126,7 @@ void FleetTest::attack(const Daemons& all, SimDaemon& victim) {
 
   // Somebody inside, verified as a robot: quarantined, and nothing of it is used.
   ASSERT_TRUE(hostile->tell_extremes(*keys, robot_id("r1")));
-  EXPECT_TRUE(listen_until(all, 20.0, [&] {
+  EXPECT_TRUE(listen_until(all, kLimit_s, [&] {
     const auto mallory = victim.peer("mallory");
     return !mallory.is_null() && mallory["quarantined"] == true;
   })) << victim.log();

@@ -1,7 +1,14 @@
 #include "tests/system/hostile.h"
 
+#include <unistd.h>
+
+#include <array>
+#include <sstream>
+#include <utility>
+
 #include "drivers/radio/endpoint_text.h"
 #include "platform/linux/clock.h"
+#include "tests/support/patience.h"
 
 namespace zenith {
 namespace {
@@ -52,21 +59,46 @@ std::vector<std::vector<std::uint8_t>> extreme_payloads() {
 
 }  // namespace
 
-Hostile::Hostile(const std::string& victim, std::uint64_t seed)
-    : radio_(std::make_unique<UdpRadio>(settings())), random_(seed) {
+Hostile::Hostile(const std::string& victim, UniqueFd victims_sockets, std::uint64_t seed)
+    : victims_sockets_(std::move(victims_sockets)),
+      radio_(std::make_unique<UdpRadio>(settings())),
+      random_(seed) {
   if (const auto endpoint = parse_endpoint(victim, 1); endpoint.ok()) victim_ = *endpoint;
 }
 
 void Hostile::send(std::span<const std::uint8_t> datagram) {
   radio_->send(victim_, datagram);
-  // So slowly that the victim's kernel drops none: every single one shall be rejected.
-  if (radio_->counters().sent % 50 == 0) sleep_until(monotonic_now() + Duration{20'000'000});
+  // No faster than the victim takes them, so that its kernel drops none: every single one shall be
+  // rejected.
+  if (radio_->counters().sent % 50 != 0) return;
+  const Time limit = monotonic_now() + kPatience;
+  while (!victim_has_taken_all() && monotonic_now() < limit) {
+    sleep_until(monotonic_now() + Duration{1'000'000});
+  }
 }
 
-std::vector<Hostile::Datagram> Hostile::record(Duration time) {
+// By the bytes that wait in its sockets: the second of the two numbers "tx_queue:rx_queue".
+bool Hostile::victim_has_taken_all() const {
+  std::array<char, 16384> text;
+  const ssize_t size = ::pread(victims_sockets_.get(), text.data(), text.size(), 0);
+  if (size < 0) return true;  // not known: the test tells of what was dropped
+  std::istringstream lines(std::string(text.data(), static_cast<std::size_t>(size)));
+  std::string line;
+  std::getline(lines, line);  // the heading
+  while (std::getline(lines, line)) {
+    std::istringstream words(line);
+    std::string slot, local, remote, state, queues;
+    words >> slot >> local >> remote >> state >> queues;
+    if (queues.substr(queues.find(':') + 1) != "00000000") return false;
+  }
+  return true;
+}
+
+std::vector<Hostile::Datagram> Hostile::record(Duration time, std::size_t least) {
   std::vector<Datagram> all;
-  const Time end = monotonic_now() + time;
-  while (monotonic_now() < end) {
+  const Time begin = monotonic_now();
+  while (monotonic_now() < begin + time ||
+         (all.size() < least && monotonic_now() < begin + kPatience)) {
     radio_->wait({50'000'000});
     for (auto batch = radio_->receive(); !batch.empty(); batch = radio_->receive()) {
       for (const RadioDatagram& d : batch) all.emplace_back(d.bytes.begin(), d.bytes.end());
@@ -160,9 +192,9 @@ bool Hostile::tell_extremes(const FleetKeys& keys, std::uint64_t victim_robot) {
   PeerExchange exchange(settings);
   NoMap map;
   std::array<std::uint8_t, kMaxDatagramBytes> datagram;
-  const auto run = [&](Duration time) {
-    const Time end = monotonic_now() + time;
-    while (monotonic_now() < end) {
+  const auto run_until = [&](auto holds) {
+    const Time end = monotonic_now() + kPatience;
+    while (!holds() && monotonic_now() < end) {
       radio_->wait({20'000'000});
       const Time now = monotonic_now();
       for (auto batch = radio_->receive(); !batch.empty(); batch = radio_->receive()) {
@@ -176,15 +208,18 @@ bool Hostile::tell_extremes(const FleetKeys& keys, std::uint64_t victim_robot) {
       }
     }
   };
-  run({8'000'000'000});
-  if (exchange.sessions().find_peer(victim_robot) < 0 ||
-      exchange.sessions().counters().responses == 0) {
-    return false;
-  }
+  const auto is_verified = [&] {
+    return exchange.sessions().find_peer(victim_robot) >= 0 &&
+           exchange.sessions().counters().responses > 0;
+  };
+  run_until(is_verified);
+  if (!is_verified()) return false;
   for (const auto& payload : extreme_payloads()) {
     send(std::span(datagram).first(exchange.sessions().seal(payload, datagram)));
   }
-  run({2'000'000'000});
+  // It stays for a while: what the victim says now is answered.
+  const Time leave = monotonic_now() + Duration{2'000'000'000};
+  run_until([&] { return monotonic_now() > leave; });
   return true;
 }
 

@@ -9,6 +9,7 @@
 #include "drivers/radio/udp_radio.h"
 #include "platform/base/random.h"
 #include "platform/link/peer_exchange.h"
+#include "platform/linux/unique_fd.h"
 
 namespace zenith {
 
@@ -16,12 +17,13 @@ class Hostile {
  public:
   using Datagram = std::vector<std::uint8_t>;
 
-  // To be made where its sockets shall be. `victim`: "10.77.0.1:21474".
-  Hostile(const std::string& victim, std::uint64_t seed);
+  // To be made where its sockets shall be. `victim`: "10.77.0.1:21474". `victims_sockets`: the
+  // kernel's list of them, /proc/thread-self/net/udp opened on the victim's computer.
+  Hostile(const std::string& victim, UniqueFd victims_sockets, std::uint64_t seed);
 
   bool open() { return radio_->open().ok(); }
-  // Everything that goes through the group for a while.
-  std::vector<Datagram> record(Duration time);
+  // Everything that goes through the group for a while, and until there are so many.
+  std::vector<Datagram> record(Duration time, std::size_t least);
 
   // Each sends to the victim and returns how many datagrams that was.
   std::uint64_t replay(const std::vector<Datagram>& recorded);
@@ -41,8 +43,10 @@ class Hostile {
 
  private:
   void send(std::span<const std::uint8_t> datagram);
+  bool victim_has_taken_all() const;
 
   Endpoint victim_;
+  UniqueFd victims_sockets_;
   std::unique_ptr<UdpRadio> radio_;
   Random random_;
 };

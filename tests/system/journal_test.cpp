@@ -6,6 +6,7 @@
 #include <map>
 
 #include "tests/support/journal_reader.h"
+#include "tests/support/patience.h"
 #include "tests/system/sim_daemon.h"
 
 namespace zenith {
@@ -41,7 +42,7 @@ TEST(Journal, GetsEventsWithTheirFields) {
   ASSERT_TRUE(hear("first-pose")) << tools::read_text(folder.path() / "log");
   daemon.send(SIGTERM);
   ASSERT_TRUE(hear("frames-counted"));
-  EXPECT_EQ(daemon.wait(30.0), 0);
+  EXPECT_EQ(daemon.wait(kPatience_s), 0);
   EXPECT_EQ(events["started"]["ZENITH_ROBOT"], "r1");
   EXPECT_EQ(events["started"]["PRIORITY"], "5");
   EXPECT_EQ(events["ready"]["MESSAGE"], "ready");

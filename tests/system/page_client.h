@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "platform/linux/unique_fd.h"
+#include "tests/support/patience.h"
 
 namespace zenith {
 
@@ -24,7 +25,7 @@ class PageClient {
     address.sin_family = AF_INET;
     address.sin_port = htons(static_cast<std::uint16_t>(port));
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    const timeval patience = {30, 0};
+    const timeval patience = {static_cast<time_t>(kPatience_s), 0};
     ::setsockopt(fd_.get(), SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
     (void)::connect(fd_.get(), reinterpret_cast<sockaddr*>(&address), sizeof address);
   }

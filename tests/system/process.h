@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "platform/linux/clock.h"
+#include "tests/support/patience.h"
 
 namespace zenith {
 

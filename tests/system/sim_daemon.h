@@ -18,6 +18,8 @@
 
 namespace zenith {
 
+// Set up so that a slow computer makes it slow, and nothing else: corners are not shed, a frame
+// waits for its wheels.
 class SimDaemon {
  public:
   // `radio`: lines of the section [radio]. `netns`: where it runs; empty: here.
@@ -27,7 +29,8 @@ class SimDaemon {
     tools::write_text(
         base_ + ".toml",
         "[robot]\nname = \"" + robot + "\"\n[camera]\ndriver = \"simulated\"\n[odometry]\n" +
-            "driver = \"simulated\"\n[telemetry]\nrate_hz = 2\nsocket = \"" + base_ +
+            "driver = \"simulated\"\npatience_s = 1\n[telemetry]\nrate_hz = 2\nsocket = \"" +
+            base_ +
             ".sock\"\n[realtime]\npriority = 0\nlock_memory = false\n[load]\ncorners_min = "
             "128\n[slam]\nparticles = 100\n" +
             "[record]\nenabled = false\n[radio]\nkey_file = \"fleet.key\"\n" + radio +
@@ -41,13 +44,15 @@ class SimDaemon {
     latest_.clear();
     alignments_.clear();
     peers_.clear();
+    coming_.clear();
+    peers_left_ = 0;
     std::vector<std::string> words = {ZENITHD_SIM, "--config", base_ + ".toml"};
     if (!netns_.empty()) {
       const std::vector<std::string> prefix = {"/usr/bin/env", "ip", "netns", "exec", netns_};
       words.insert(words.begin(), prefix.begin(), prefix.end());
     }
     process_ = std::make_unique<Process>(words, base_ + ".out", base_ + ".log");
-    return wait_until(60.0, [&] {
+    return wait_until(kPatience_s, [&] {
       auto reader = std::make_unique<LineReader>(base_ + ".sock");
       if (reader->connected()) reader_ = std::move(reader);
       return reader_ != nullptr;
@@ -64,21 +69,22 @@ class SimDaemon {
   void hang_up() { process_->send(SIGHUP); }
   int stop() {
     process_->send(SIGTERM);
-    return process_->wait(30.0);
+    return process_->wait(kPatience_s);
   }
   void kill() {
     process_->send(SIGKILL);
-    (void)process_->wait(30.0);
+    (void)process_->wait(kPatience_s);
   }
 
-  // Takes in the next line.
-  void listen() {
-    const auto line = nlohmann::json::parse(reader_->next(), nullptr, false);
-    if (!line.is_object()) return;
-    const std::string type = line["type"];
-    latest_[type] = line;
-    if (type == "alignment") alignments_[line["peer"]] = line;
-    if (type == "peer") peers_[line["name"]] = {line, monotonic_now()};
+  // Takes in all lines that are there; false without any.
+  bool listen() {
+    bool heard = false;
+    for (std::string text = reader_->next({0}); !text.empty(); text = reader_->next({0})) {
+      heard = true;
+      const auto line = nlohmann::json::parse(text, nullptr, false);
+      if (line.is_object()) take_in(line);
+    }
+    return heard;
   }
 
   const std::string& name() const { return name_; }
@@ -89,12 +95,11 @@ class SimDaemon {
     const auto found = latest_.find(type);
     return found == latest_.end() ? nlohmann::json() : found->second;
   }
-  // What it knows of a robot that it exchanges maps with; null when it is none (any more).
+  // What it knew, when it last told of all its peers, of a robot that it exchanges maps with; null
+  // when that was none of them.
   nlohmann::json peer(const std::string& name) const {
     const auto found = peers_.find(name);
-    const bool is_fresh =
-        found != peers_.end() && monotonic_now() - found->second.second < Duration{4'000'000'000};
-    return is_fresh ? found->second.first : nlohmann::json();
+    return found == peers_.end() ? nlohmann::json() : found->second;
   }
   // The merged alignment with a robot's map.
   std::optional<Pose2> merged(const std::string& peer) const {
@@ -111,6 +116,22 @@ class SimDaemon {
   }
 
  private:
+  void take_in(const nlohmann::json& line) {
+    const std::string type = line["type"];
+    latest_[type] = line;
+    if (type == "alignment") alignments_[line["peer"]] = line;
+    // The line of the radio says how many peers' lines follow.
+    if (type == "radio") {
+      coming_.clear();
+      peers_left_ = line["peers"];
+      if (peers_left_ == 0) peers_.clear();
+    }
+    if (type == "peer") {
+      coming_[line["name"]] = line;
+      if (--peers_left_ == 0) peers_ = coming_;
+    }
+  }
+
   const std::string name_;
   const std::string netns_;
   const std::string base_;
@@ -118,7 +139,9 @@ class SimDaemon {
   std::unique_ptr<LineReader> reader_;
   std::map<std::string, nlohmann::json> latest_;
   std::map<int, nlohmann::json> alignments_;
-  std::map<std::string, std::pair<nlohmann::json, Time>> peers_;
+  std::map<std::string, nlohmann::json> peers_;   // all of one telling
+  std::map<std::string, nlohmann::json> coming_;  // of the telling that goes on
+  int peers_left_ = 0;                            // of it
 };
 
 using Daemons = std::vector<SimDaemon*>;
@@ -129,7 +152,9 @@ bool listen_until(const Daemons& daemons, double limit_s, Holds holds) {
   const Time limit = monotonic_now() + Duration::from_seconds(limit_s);
   while (!holds()) {
     if (monotonic_now() > limit) return false;
-    for (SimDaemon* daemon : daemons) daemon->listen();
+    bool heard = false;
+    for (SimDaemon* daemon : daemons) heard = daemon->listen() || heard;
+    if (!heard) sleep_until(monotonic_now() + Duration{5'000'000});
   }
   return true;
 }

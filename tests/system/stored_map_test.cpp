@@ -7,13 +7,14 @@
 #include "platform/base/random.h"
 #include "platform/storage/map_store.h"
 #include "tests/support/figure.h"
+#include "tests/support/patience.h"
 #include "tests/support/seeds.h"
 #include "tests/system/sim_daemon.h"
 
 namespace zenith {
 namespace {
 
-constexpr double kLimit_s = 120.0;  // what is waited for is a state
+constexpr double kLimit_s = kPatience_s;  // what is waited for is a state
 
 const std::filesystem::path kRoom = ZENITH_SOURCE_DIR "/tests/system/worlds/one-room.toml";
 
@@ -81,15 +82,17 @@ TEST_F(StoredMap, KillsBeforeItFoundItselfCostNoneOfTheMaps) {
   for (const std::string& session : sessions) {
     ASSERT_TRUE(daemon_.start());
     ASSERT_TRUE(listen([&] { return promoted() > 40; }));
-    // Two intervals later all of that must be on the disk.
+    // Two checkpoints later all of that must be on the disk: the first may have been under way.
     const double mapped = promoted();
-    const Time killed = monotonic_now() + Duration::from_seconds(2.0 + random_.uniform());
+    const double written = stored("written");
+    ASSERT_TRUE(listen([&] { return stored("written") >= written + 2; }));
+    const Time killed = monotonic_now() + Duration::from_seconds(random_.uniform());
     ASSERT_TRUE(listen([&] { return monotonic_now() > killed; }));
     daemon_.kill();
     const std::size_t kept = on_disk(session).landmarks.size();
     print_figure(
         "stored map, killed before it found itself: %zu landmarks kept, %.0f had been "
-        "mapped 2 s before",
+        "mapped two checkpoints before",
         kept, mapped);
     EXPECT_GE(static_cast<double>(kept), 0.9 * mapped);
     EXPECT_EQ(on_disk("map").landmarks.size(), before) << "it stays as it was";

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/patience.h"
 #include "tests/system/process.h"
 #include "tests/unit/tools/temporary_folder.h"
 
@@ -40,7 +41,7 @@ class ViewServer {
   // The exit code, when it is asked to end.
   int stop() {
     process_->send(SIGINT);
-    return wait(30.0);
+    return wait(kPatience_s);
   }
 
   int wait(double limit_s) { return process_->wait(limit_s); }

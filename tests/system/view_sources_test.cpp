@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/support/patience.h"
 #include "tests/system/page_client.h"
 #include "tests/system/sim_daemon.h"
 #include "tests/system/view_server.h"
@@ -15,7 +16,7 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 using testing::HasSubstr;
 
-constexpr double kLimit_s = 100.0;
+constexpr double kLimit_s = kPatience_s;
 constexpr const char* kSsh = "/usr/bin/ssh";
 constexpr const char* kSshd = "/usr/sbin/sshd";
 

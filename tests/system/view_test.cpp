@@ -6,6 +6,7 @@
 
 #include "platform/link/fleet_key.h"
 #include "tests/support/figure.h"
+#include "tests/support/patience.h"
 #include "tests/system/browser.h"
 #include "tests/system/sim_daemon.h"
 #include "tests/system/view_server.h"
@@ -13,9 +14,7 @@
 namespace zenith {
 namespace {
 
-// Generous: the machine may be slow and do other work. What is waited for is a state.
-constexpr double kLimit_s = 200.0;
-constexpr double kSoon_s = 40.0;  // nothing has to be driven for it
+constexpr double kLimit_s = kPatience_s;  // what is waited for is a state
 constexpr const char* kPictures = ZENITH_SOURCE_DIR "/out/view/";
 
 class ViewTest : public testing::Test {
@@ -125,7 +124,7 @@ TEST_F(ViewTest, ShowsRobotsLiveAndHowTheyMerge) {
                          "'image/svg+xml').querySelector('parsererror') === null"),
             true);
   browser->run("window.zenith.map.png().then(b => window.saved = b.size)");
-  EXPECT_TRUE(browser->wait_for("window.saved > 10000", 30.0));
+  EXPECT_TRUE(browser->wait_for("window.saved > 10000", kLimit_s));
   EXPECT_THAT(browser->console(), testing::IsEmpty());
 
   // The slider looks back, at this page alone; metrics stay with what is now.
@@ -133,10 +132,10 @@ TEST_F(ViewTest, ShowsRobotsLiveAndHowTheyMerge) {
       "const s = document.getElementById('slider'); s.value = 2;"
       " s.dispatchEvent(new Event('input')); s.dispatchEvent(new Event('change'))");
   ASSERT_TRUE(
-      browser->wait_for("document.getElementById('connection').textContent === 'past'", kSoon_s));
-  ASSERT_TRUE(browser->wait_for("window.zenith.fleet.clock.position_s === 2", kSoon_s));
+      browser->wait_for("document.getElementById('connection').textContent === 'past'", kLimit_s));
+  ASSERT_TRUE(browser->wait_for("window.zenith.fleet.clock.position_s === 2", kLimit_s));
   EXPECT_TRUE(
-      browser->wait_for("!window.zenith.map.layers.find(l => l.name === 'r2')?.placed", kSoon_s))
+      browser->wait_for("!window.zenith.map.layers.find(l => l.name === 'r2')?.placed", kLimit_s))
       << "they had not joined yet";
   EXPECT_EQ(browser->run("return document.getElementById('confidence').hidden"), true)
       << "what came later is not shown";
@@ -147,47 +146,47 @@ TEST_F(ViewTest, ShowsRobotsLiveAndHowTheyMerge) {
   ASSERT_TRUE(
       browser->wait_for("document.getElementById('connection').textContent === 'live' "
                         "&& document.getElementById('to-live').hidden",
-                        kSoon_s));
+                        kLimit_s));
   EXPECT_TRUE(browser->wait_for(
-      "window.zenith.map.layers.find(l => l.name === 'r2')?.placed === true", kSoon_s));
+      "window.zenith.map.layers.find(l => l.name === 'r2')?.placed === true", kLimit_s));
 
   // Who falls silent is told of; so is the loss of the program itself.
   r1.kill();
   EXPECT_TRUE(
       browser->wait_for("!document.getElementById('map-note').hidden && "
                         "document.getElementById('connection').className === 'lost'",
-                        30.0));
+                        kLimit_s));
   view_.kill();
   EXPECT_TRUE(browser->wait_for(
-      "document.getElementById('connection').textContent === 'connection lost'", 30.0));
+      "document.getElementById('connection').textContent === 'connection lost'", kLimit_s));
   EXPECT_TRUE(browser->save_picture(std::string(kPictures) + "lost.png"));
 }
 
 TEST_F(ViewTest, PlaysAReplayWithItsSlider) {
   std::filesystem::create_directory(folder_.path() / "out");
   tools::write_text(folder_.path() / "out" / "timeline.jsonl", short_timeline());
-  ASSERT_TRUE(view_.start({(folder_.path() / "out").string()}, kSoon_s)) << view_.log();
+  ASSERT_TRUE(view_.start({(folder_.path() / "out").string()}, kLimit_s)) << view_.log();
   const auto browser = open();
   ASSERT_TRUE(browser->good()) << browser->error();
-  ASSERT_TRUE(browser->wait_for("!document.getElementById('player').hidden", kSoon_s));
+  ASSERT_TRUE(browser->wait_for("!document.getElementById('player').hidden", kLimit_s));
   const auto seek = [&](double to_s) {
     browser->run("const s = document.getElementById('slider'); s.value = " + std::to_string(to_s) +
                  "; s.dispatchEvent(new Event('input')); s.dispatchEvent(new Event('change'))");
     return browser->wait_for(
         "Math.abs(window.zenith.fleet.clock.position_s - " + std::to_string(to_s) + ") < 0.06",
-        kSoon_s);
+        kLimit_s);
   };
   const char* joined = "window.zenith.map.layers.find(l => l.name === 'bert')?.placed === true";
   EXPECT_TRUE(seek(3.5));
-  EXPECT_TRUE(browser->wait_for(joined, kSoon_s));
-  EXPECT_TRUE(browser->wait_for("document.querySelectorAll('#marks i').length === 1", kSoon_s));
+  EXPECT_TRUE(browser->wait_for(joined, kLimit_s));
+  EXPECT_TRUE(browser->wait_for("document.querySelectorAll('#marks i').length === 1", kLimit_s));
   EXPECT_TRUE(seek(1.0)) << "and back";
-  EXPECT_TRUE(browser->wait_for(std::string("!(") + joined + ")", kSoon_s));
+  EXPECT_TRUE(browser->wait_for(std::string("!(") + joined + ")", kLimit_s));
   EXPECT_EQ(browser->run("return window.zenith.fleet.robots[0].maps.get(-1).size"), 2);
   EXPECT_EQ(browser->run("return document.getElementById('clock').textContent"), "0:01 / 0:04");
   browser->run("document.getElementById('play').click()");
-  EXPECT_TRUE(browser->wait_for("window.zenith.fleet.clock.position_s === 4", kSoon_s));
-  EXPECT_TRUE(browser->wait_for(joined, kSoon_s));
+  EXPECT_TRUE(browser->wait_for("window.zenith.fleet.clock.position_s === 4", kLimit_s));
+  EXPECT_TRUE(browser->wait_for(joined, kLimit_s));
   EXPECT_THAT(browser->console(), testing::IsEmpty());
 }
 

@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "tests/support/patience.h"
 #include "tests/system/page_client.h"
 #include "tests/system/sim_daemon.h"
 #include "tests/system/view_server.h"
@@ -62,7 +63,7 @@ namespace {
 using nlohmann::json;
 using testing::HasSubstr;
 
-constexpr double kLimit_s = 120.0;
+constexpr double kLimit_s = kPatience_s;
 
 class ViewWireTest : public testing::Test {
  protected:

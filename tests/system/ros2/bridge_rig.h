@@ -100,7 +100,7 @@ class BridgeRig : public ::testing::Test {
     }
     return start_bridge(std::move(options), [&] {
       bool all = true;
-      for (auto& daemon : daemons_) all = daemon->wait_for_reader(60.0) && all;
+      for (auto& daemon : daemons_) all = daemon->wait_for_reader(kPatience_s) && all;
       return all;
     });
   }
@@ -122,7 +122,7 @@ class BridgeRig : public ::testing::Test {
   // said until each has heard something.
   bool hears(const std::vector<dds_entity_t>& readers, std::size_t number,
              const nlohmann::json& line) {
-    return wait_until(60.0, [&] {
+    return wait_until(kPatience_s, [&] {
       robot(number).say(line);
       sleep_until(monotonic_now() + Duration{50'000'000});
       for (const dds_entity_t reader : readers) {

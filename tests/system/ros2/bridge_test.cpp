@@ -193,7 +193,7 @@ TEST_F(BridgeRig, ARobotThatLeavesIsStaleAndGoesOnWhenItIsBack) {
     return status_of(m, "zenith: anna").first == 3;
   }));
   // The daemon began anew: its frames, too.
-  ASSERT_TRUE(robot().wait_for_reader(60.0));
+  ASSERT_TRUE(robot().wait_for_reader(kPatience_s));
   robot().say(hello_line("anna", 2));
   robot().say(pose_line(9'000'000'000, {0.1, 0, 0}, {0.2, 0, 0}));
   ASSERT_TRUE(take_until<OdometryMessage>(
@@ -257,7 +257,7 @@ TEST_F(BridgeRig, TransformsAreLeftToOthersWhereAsked) {
 TEST_F(BridgeRig, EndsWhenItIsAskedTo) {
   ASSERT_TRUE(start(1));
   bridge_->send(SIGTERM);
-  EXPECT_EQ(bridge_->wait(30.0), 0);
+  EXPECT_EQ(bridge_->wait(kPatience_s), 0);
 }
 
 }  // namespace

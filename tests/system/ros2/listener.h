@@ -67,7 +67,7 @@ class Listener {
 
   // Until the bridge's writer is known here. It may not know this reader yet: what is not latched
   // is still lost then.
-  bool matched(dds_entity_t reader, double limit_s = 60.0) const {
+  bool matched(dds_entity_t reader, double limit_s = kPatience_s) const {
     return wait_until(limit_s, [&] {
       dds_subscription_matched_status_t status = {};
       return dds_get_subscription_matched_status(reader, &status) == DDS_RETCODE_OK &&
@@ -83,7 +83,7 @@ class Listener {
 // message while it is there, and copies what the test needs.
 template <typename Message>
 bool take_until(dds_entity_t reader, const std::function<bool(const Message&)>& wanted,
-                double limit_s = 60.0) {
+                double limit_s = kPatience_s) {
   return wait_until(limit_s, [&] {
     while (true) {
       void* sample = nullptr;

@@ -42,7 +42,7 @@ class CdrReader {
 // The next sample with its header of four bytes; empty when none comes.
 std::vector<unsigned char> take_bytes(dds_entity_t reader) {
   std::vector<unsigned char> out;
-  wait_until(60.0, [&] {
+  wait_until(kPatience_s, [&] {
     ddsi_serdata* data = nullptr;
     dds_sample_info_t info = {};
     if (dds_takecdr(reader, &data, 1, &info, DDS_ANY_STATE) != 1) return false;

@@ -11,6 +11,7 @@
 
 #include "platform/daemon/cooperation.h"
 #include "platform/linux/clock.h"
+#include "tests/support/patience.h"
 
 namespace zenith {
 namespace {
@@ -82,9 +83,9 @@ class RadioLinkTest : public testing::Test {
       GTEST_SKIP() << "SKIPPED: no address on the loopback interface";
     }
   }
-  // Turns both until it holds, at most for 20 s.
+  // Turns both until it holds.
   static bool run_until(Robot& a, Robot& b, const std::function<bool()>& holds,
-                        double limit_s = 20.0) {
+                        double limit_s = kPatience_s) {
     const Time limit = monotonic_now() + Duration::from_seconds(limit_s);
     while (monotonic_now() < limit) {
       for (Robot* robot : {&a, &b}) {
@@ -147,15 +148,13 @@ TEST_F(RadioLinkTest, LosesNothingThatPerceptionHasNoRoomFor) {
     ASSERT_TRUE(ada.link->send_own(landmark(static_cast<std::uint32_t>(id))));
   }
   // Perception sleeps until the queue is full.
-  const Time limit = monotonic_now() + Duration{30'000'000'000};
+  const Time limit = monotonic_now() + kPatience;
   while (bert.exchange->peers.size() + 60 < Exchange::kRecords && monotonic_now() < limit) {
     ada.turn();
     bert.turn();
   }
   EXPECT_EQ(bert.exchange->peers.rejected(), 0u);
-  EXPECT_TRUE(run_until(
-      ada, bert, [&] { return bert.records >= many; }, 60.0))
-      << bert.records;
+  EXPECT_TRUE(run_until(ada, bert, [&] { return bert.records >= many; })) << bert.records;
 }
 
 TEST_F(RadioLinkTest, TakesANewKeyWhileItRuns) {

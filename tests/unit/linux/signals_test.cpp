@@ -9,6 +9,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/patience.h"
+
 namespace zenith {
 namespace {
 
@@ -41,11 +43,11 @@ TEST_F(SignalsTest, NothingAsked) {
 
 TEST_F(SignalsTest, TellsStopFromReload) {
   kill(getpid(), SIGHUP);
-  EXPECT_EQ(signals_.wait(Duration::from_seconds(10)), SignalRequest::kReload);
+  EXPECT_EQ(signals_.wait(kPatience), SignalRequest::kReload);
   kill(getpid(), SIGTERM);
-  EXPECT_EQ(signals_.wait(Duration::from_seconds(10)), SignalRequest::kStop);
+  EXPECT_EQ(signals_.wait(kPatience), SignalRequest::kStop);
   kill(getpid(), SIGINT);
-  EXPECT_EQ(signals_.wait(Duration::from_seconds(10)), SignalRequest::kStop);
+  EXPECT_EQ(signals_.wait(kPatience), SignalRequest::kStop);
   EXPECT_EQ(signals_.wait({}), std::nullopt);
 }
 
@@ -72,9 +74,9 @@ TEST_F(SignalsTest, AThreadThatDoesNotBlockThemHandsThemOn) {
   });
   while (!ready) std::this_thread::yield();
   kill(getpid(), SIGINT);
-  EXPECT_EQ(signals_.wait(Duration::from_seconds(10)), SignalRequest::kStop);
+  EXPECT_EQ(signals_.wait(kPatience), SignalRequest::kStop);
   kill(getpid(), SIGHUP);
-  EXPECT_EQ(signals_.wait(Duration::from_seconds(10)), SignalRequest::kReload);
+  EXPECT_EQ(signals_.wait(kPatience), SignalRequest::kReload);
   done = true;
   other.join();
 }

@@ -7,11 +7,10 @@
 
 #include "platform/linux/clock.h"
 #include "platform/linux/unique_fd.h"
+#include "tests/support/patience.h"
 
 namespace zenith {
 namespace {
-
-constexpr Duration kLong = {10'000'000'000};
 
 TEST(WaitReadable, TellsWhatIsThereAtOnceAndOtherwiseWaits) {
   int ends[2];
@@ -24,9 +23,9 @@ TEST(WaitReadable, TellsWhatIsThereAtOnceAndOtherwiseWaits) {
   EXPECT_EQ(wait_readable(reader.get(), {0}), 0);
   EXPECT_EQ(wait_readable(reader.get(), {-5}), 0);
   ASSERT_EQ(::write(writer.get(), "x", 1), 1);
-  EXPECT_EQ(wait_readable(reader.get(), kLong), POLLIN);
+  EXPECT_EQ(wait_readable(reader.get(), kPatience), POLLIN);
   writer.reset();
-  EXPECT_NE(wait_readable(reader.get(), kLong) & POLLHUP, 0);
+  EXPECT_NE(wait_readable(reader.get(), kPatience) & POLLHUP, 0);
 }
 
 TEST(WaitReadable, AClosedDescriptorIsToldAsAnEvent) {
@@ -34,7 +33,7 @@ TEST(WaitReadable, AClosedDescriptorIsToldAsAnEvent) {
   ASSERT_EQ(::pipe(ends), 0);
   ::close(ends[0]);
   ::close(ends[1]);
-  EXPECT_EQ(wait_readable(ends[0], kLong), POLLNVAL);
+  EXPECT_EQ(wait_readable(ends[0], kPatience), POLLNVAL);
 }
 
 }  // namespace

@@ -14,13 +14,12 @@
 
 #include "drivers/radio/endpoint_text.h"
 #include "platform/linux/clock.h"
+#include "tests/support/patience.h"
 
 namespace zenith {
 namespace {
 
 using testing::HasSubstr;
-
-constexpr Duration kPatience = {5'000'000'000};
 
 std::vector<std::uint8_t> bytes(const std::string& text) {
   return {text.begin(), text.end()};
@@ -35,14 +34,14 @@ struct Heard {
 std::vector<Heard> listen(UdpRadio& radio, std::size_t count, Duration patience = kPatience) {
   std::vector<Heard> all;
   const Time limit = monotonic_now() + patience;
-  while (all.size() < count && monotonic_now() < limit) {
+  do {  // once at least: what is there is there
     radio.wait({20'000'000});
     for (auto batch = radio.receive(); !batch.empty(); batch = radio.receive()) {
       for (const RadioDatagram& d : batch) {
         all.push_back({std::string(d.bytes.begin(), d.bytes.end()), d.from});
       }
     }
-  }
+  } while (all.size() < count && monotonic_now() < limit);
   return all;
 }
 
