@@ -15,6 +15,9 @@ constexpr Duration kState = {200'000'000};
 // Of one turn, so that a flood cannot hold up the rest.
 constexpr int kMaxBatches = 8;
 constexpr int kMaxSent = 64;
+// Lines of the log about peers: those of a whole fleet that comes and goes.
+constexpr std::uint32_t kEventsPerSecond = 1;
+constexpr std::uint32_t kEventsAtOnce = 2 * kMaxSessions;
 
 PeerExchangeSettings exchange_settings(const RadioConfig& config, const SessionSettings& sessions,
                                        std::uint32_t map) {
@@ -120,6 +123,7 @@ RadioLink::RadioLink(const RadioConfig& config, const SessionSettings& sessions,
                      Exchange& exchange)
     : exchange_(exchange), radio_(config.udp), peers_(exchange_settings(config, sessions, map)) {
   peers_.synchroniser().set_copies_to_everybody(std::max(radio_.copies_to_everybody(), 1));
+  log_budget_.configure_average(kEventsPerSecond, kEventsAtOnce);
 }
 
 void RadioLink::turn(Time now, exchange::Health health) {
@@ -134,12 +138,13 @@ void RadioLink::turn(Time now, exchange::Health health) {
     note_names();
     offer_alignments(now);
   }
-  log_news();
+  log_news(now);
 }
 
 void RadioLink::wait(Time now) {
-  const Time due = peers_.next_time(now);
-  radio_.wait(std::min(due - now, kSlice));
+  // Without sockets nothing can be sent, however much is due.
+  const Duration due = radio_.is_open() ? peers_.next_time(now) - now : kSlice;
+  radio_.wait(std::min(due, kSlice));
 }
 
 void RadioLink::finish(Time now) {
@@ -257,9 +262,21 @@ void RadioLink::note_names() {
   }
 }
 
-void RadioLink::log_news() {
+// Whoever has the key can cause as many events as it likes; the log has other readers.
+void RadioLink::log_news(Time now) {
   LinkEvent event;
-  while (peers_.sessions().next_event(event)) log_event(event);
+  while (peers_.sessions().next_event(event)) {
+    if (!log_budget_.spend(now, 1)) {
+      ++not_logged_;
+      continue;
+    }
+    if (not_logged_ > 0) {
+      log_line(LogLevel::kWarning, "radio: %llu events of peers were not logged: too many",
+               static_cast<unsigned long long>(not_logged_));
+    }
+    not_logged_ = 0;
+    log_event(event);
+  }
   std::string news;
   if (radio_.next_news(news)) log_line(LogLevel::kWarning, "%s", news.c_str());
 }

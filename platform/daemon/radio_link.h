@@ -15,6 +15,7 @@
 #include "platform/daemon/exchange.h"
 #include "platform/daemon/link_status.h"
 #include "platform/link/peer_exchange.h"
+#include "slam/exchange/budget.h"
 
 namespace zenith {
 
@@ -53,7 +54,7 @@ class RadioLink final : private exchange::RecordSink {
   void tell_state(Time now, exchange::Health health);
   void offer_alignments(Time now);
   void note_names();
-  void log_news();
+  void log_news(Time now);
 
   Exchange& exchange_;
   UdpRadio radio_;
@@ -62,6 +63,8 @@ class RadioLink final : private exchange::RecordSink {
   std::array<bool, kMaxPeers> forgotten_ = {};  // perception does not know it yet
   std::array<RobotName, kMaxPeers> names_;
   std::string told_joined_;
+  exchange::Budget log_budget_;  // lines
+  std::uint64_t not_logged_ = 0;
   std::uint64_t records_received_ = 0;
   Time next_refresh_;
   Time next_second_;

@@ -2,6 +2,7 @@
 
 #include "platform/daemon/radio_link.h"
 
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <functional>
@@ -34,8 +35,9 @@ SessionSettings session_settings(const char* name, std::uint8_t fleet) {
 }
 
 struct Robot {
-  explicit Robot(const char* name, std::uint8_t fleet = 1)
-      : link(std::make_unique<RadioLink>(radio_config(), session_settings(name, fleet),
+  explicit Robot(const char* name, std::uint8_t fleet = 1,
+                 const RadioConfig& config = radio_config())
+      : link(std::make_unique<RadioLink>(config, session_settings(name, fleet),
                                          static_cast<std::uint32_t>(secret_number()), *exchange)),
         cooperation(std::make_unique<Cooperation>(*exchange, link.get())) {}
 
@@ -167,6 +169,45 @@ TEST_F(RadioLinkTest, TakesANewKeyWhileItRuns) {
   ada.cooperation->set_keys(session_settings("", 7).keys);  // replaced before it is taken
   ada.cooperation->set_keys(session_settings("", 2).keys);
   EXPECT_TRUE(run_until(ada, bert, heard));
+}
+
+// Without sockets there is nothing to wait for but the next try: the thread sleeps. So it does with
+// sockets and nobody there. A turn that does not sleep takes a few microseconds.
+class RadioThread : public RadioLinkTest {
+ protected:
+  static void expect_sleep(const RadioConfig& config, bool open) {
+    constexpr int kTurns = 50;
+    Robot ada("ada", 1, config);
+    for (std::uint32_t id = 1; id <= 100; ++id) ada.exchange->own.push(landmark(id));
+    const Time begin = monotonic_now();
+    for (int i = 0; i < kTurns; ++i) ada.turn();
+    const Duration slept = monotonic_now() - begin;
+    EXPECT_GE(slept, Duration{kTurns * RadioLink::kSlice.ns / 2});
+    EXPECT_EQ(ada.status().open, open);
+  }
+};
+
+TEST_F(RadioThread, SleepsWhileItsPortIsTaken) {
+  RadioConfig config = radio_config();
+  UdpRadio other(config.udp);
+  ASSERT_TRUE(other.open().ok());
+  config.udp.own_port = other.own_port();
+  expect_sleep(config, false);
+}
+
+TEST_F(RadioThread, SleepsWhileNoSocketIsToBeHad) {
+  rlimit before = {};
+  ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &before), 0);
+  const rlimit none = {0, before.rlim_max};
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &none), 0);
+  expect_sleep(radio_config(), false);
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &before), 0);
+}
+
+TEST_F(RadioThread, SleepsWhileItsInterfaceIsNotThere) {
+  RadioConfig config = radio_config();
+  config.udp.interface = "zenith-none";
+  expect_sleep(config, true);
 }
 
 TEST_F(RadioLinkTest, AnotherFleetIsNotHeard) {
