@@ -9,6 +9,8 @@
 #include "platform/base/printable.h"
 #include "platform/config/robot_settings.h"
 #include "platform/daemon/tap/tap.h"
+#include "slam/exchange/interface.h"
+#include "slam/exchange/messages.h"
 
 namespace zenith {
 namespace {
@@ -179,10 +181,10 @@ Settings radio_settings(RadioConfig& radio) {
        "addresses that are told everything, besides the group or without one: "
        "\"192.168.1.7:21474, [fe80::1%wlan0]:21474\"; each robot lists the others",
        &radio.udp.peers},
-      {"radio.max_rate", "byte/s", 5000, 1e7, "what this robot sends at most, all headers included",
-       &radio.max_rate},
-      {"radio.news_rate", "byte/s", 1000, 1e7, "of this, for changes of landmarks that peers know",
-       &radio.news_rate},
+      {"radio.max_rate", "byte/s", 5000, exchange::kMaxRate,
+       "what this robot sends at most, all headers included", &radio.max_rate},
+      {"radio.news_rate", "byte/s", 1000, exchange::kMaxRate,
+       "of this, for changes of landmarks that peers know", &radio.news_rate},
       {"radio.forget_after_s", "s", 15, 86400,
        "a robot silent for so long counts as gone until it is heard again; its map stays",
        &radio.forget_after_s},

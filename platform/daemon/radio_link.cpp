@@ -27,7 +27,6 @@ PeerExchangeSettings exchange_settings(const RadioConfig& config, const SessionS
   settings.synchroniser.seed = sessions.boot;
   settings.synchroniser.max_rate = config.max_rate;
   settings.synchroniser.news_rate = std::min(config.news_rate, config.max_rate);
-  settings.synchroniser.peer_rate = 4 * config.max_rate;
   const bool ipv6 = config.udp.group.find(':') != std::string::npos;
   settings.synchroniser.headers_below = ipv6 ? exchange::kIpv6UdpBytes : exchange::kIpv4UdpBytes;
   settings.synchroniser.slots = kPeerSlots;

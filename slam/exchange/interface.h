@@ -13,6 +13,12 @@ namespace zenith::exchange {
 
 inline constexpr int kEverybody = -1;
 
+// What a robot sends in any one second at most, in bytes with all headers; a part of the protocol.
+inline constexpr std::uint32_t kMaxRate = 500'000;
+// What is taken of one peer on average, and at once after a pause: the network may have held back
+// what the peer sent, and send it on in one go.
+inline constexpr std::uint32_t kTakenRate = kMaxRate + kMaxRate / 2;
+
 struct Settings {
   std::uint64_t robot = 0;  // this one, as in the frame's header
   Hello name;
@@ -26,16 +32,15 @@ struct Settings {
   std::uint32_t news_rate = 20'000;
   // A landmark that peers know is told of again after so long, however often it changes.
   Duration rest = Duration::from_seconds(8.0);
-  // What one peer may send. It is held against its datagrams as they arrive, so it must be well
-  // above its max_rate.
-  std::uint32_t peer_rate = 500'000;
+  // What is taken of one peer, on average and at once.
+  std::uint32_t peer_rate = kTakenRate;
 
   std::size_t headers_below = kIpv4UdpBytes;  // of IP and UDP
   int slots = kMaxReplicas;                   // peers' maps that are kept
 };
 
-// Takes the peers' records. A slot is one (robot, map); what is told of a slot before forget()
-// belongs to another map than what comes after it.
+// Takes the peers' records. A slot is one (robot, map); what is told of a slot before
+// forget() belongs to another map than what comes after it.
 class RecordSink {
  public:
   // Records that take() has room for. A section with more is left out whole; it comes again.

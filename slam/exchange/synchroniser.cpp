@@ -103,7 +103,7 @@ void Synchroniser::join(Time now, int session, std::uint64_t robot) {
   Session& s = state_->sessions[static_cast<std::size_t>(session)];
   s.joined = true;
   s.robot = robot;
-  s.received.configure(state_->settings.peer_rate, state_->settings.peer_rate / 2);
+  s.received.configure_average(state_->settings.peer_rate, state_->settings.peer_rate);
 }
 
 void Synchroniser::leave(Time /*now*/, int session) {

@@ -171,6 +171,30 @@ TEST_F(RadioLinkTest, TakesANewKeyWhileItRuns) {
   EXPECT_TRUE(run_until(ada, bert, heard));
 }
 
+// What a peer may send does not depend on what this robot may: one that hardly says anything is
+// told everything as fast as the protocol allows.
+TEST_F(RadioLinkTest, TheLowestCapTakesWhatThePeerWithTheHighestSends) {
+  RadioConfig low = radio_config();
+  low.max_rate = 5000;
+  low.news_rate = 1000;
+  RadioConfig high = radio_config();
+  high.max_rate = exchange::kMaxRate;
+  high.news_rate = exchange::kMaxRate;
+  Robot ada("ada", 1, low);
+  Robot bert("bert", 1, high);
+  constexpr int kMany = 4000;
+  for (int id = 1; id <= kMany; ++id) {
+    LandmarkRecord record = landmark(static_cast<std::uint32_t>(id));
+    record.appearance_count = kPublishedAppearances;
+    ASSERT_TRUE(bert.link->send_own(record));
+  }
+  EXPECT_TRUE(run_until(
+      ada, bert, [&] { return ada.records >= kMany; }, 120.0))
+      << ada.records;
+  EXPECT_EQ(ada.status().exchange.too_much, 0u);
+  EXPECT_EQ(ada.status().exchange.quarantines, 0u);
+}
+
 // Without sockets there is nothing to wait for but the next try: the thread sleeps. So it does with
 // sockets and nobody there. A turn that does not sleep takes a few microseconds.
 class RadioThread : public RadioLinkTest {
