@@ -19,10 +19,19 @@ constexpr int kMaxSent = 64;
 constexpr std::uint32_t kEventsPerSecond = 1;
 constexpr std::uint32_t kEventsAtOnce = 2 * kMaxSessions;
 
+// Of each kind. However many are asked for, they take an eighth of the cap, or the little that
+// robots need to get to know each other.
+int answers_per_second(std::uint32_t max_rate) {
+  constexpr int kFewest = 8;
+  constexpr std::size_t kBytes = kAnswerBytes + exchange::kIpv6UdpBytes;
+  return std::clamp(static_cast<int>(max_rate / 8 / kBytes), kFewest, Handshake::kPerSecond);
+}
+
 PeerExchangeSettings exchange_settings(const RadioConfig& config, const SessionSettings& sessions,
                                        std::uint32_t map) {
   PeerExchangeSettings settings;
   settings.sessions = sessions;
+  settings.sessions.answers_per_second = answers_per_second(config.max_rate);
   settings.synchroniser.map = map;
   settings.synchroniser.seed = sessions.boot;
   settings.synchroniser.max_rate = config.max_rate;

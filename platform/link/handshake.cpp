@@ -6,73 +6,131 @@
 #include <cassert>
 
 namespace zenith {
+namespace {
 
-bool Handshake::Bucket::take(Time now) {
-  tokens = std::min(tokens + (now - filled).seconds() * kPerSecond, double{kBurst});
-  filled = now;
-  if (tokens < 1.0) return false;
-  tokens -= 1.0;
-  return true;
+constexpr std::size_t kHalfBytes = 8;
+
+// What the two halves are hashes of begins with one of these.
+constexpr std::uint8_t kAddressHalf = 0xA0;
+constexpr std::uint8_t kAskedHalf = 0xB0;  // and what is asked
+
+std::size_t index(Answer::Kind kind) {
+  return static_cast<std::size_t>(kind);
 }
 
-Handshake::Nonce Handshake::nonce_of(const SenderId& sender, std::int64_t step) const {
-  std::array<std::uint8_t, 24> what;
+}  // namespace
+
+Handshake::Handshake(const SecretKey& secret, int per_second)
+    : secret_(secret),
+      challenges_{AnswerBudget(secret, per_second), AnswerBudget(secret, per_second)},
+      responses_(secret, per_second) {}
+
+Handshake::Half Handshake::hash(std::span<const std::uint8_t> what) const {
+  std::array<std::uint8_t, crypto_generichash_BYTES_MIN> all;
+  crypto_generichash(all.data(), all.size(), what.data(), what.size(), secret_.bytes().data(),
+                     SecretKey::kBytes);
+  Half half;
+  std::copy_n(all.begin(), half.size(), half.begin());
+  return half;
+}
+
+Handshake::Half Handshake::asked_half(Asked asked, const SenderId& sender,
+                                      std::int64_t step) const {
+  std::array<std::uint8_t, 25> what;
   exchange::ByteWriter writer(what);
+  writer.u8(static_cast<std::uint8_t>(kAskedHalf + static_cast<std::uint8_t>(asked)));
   writer.u64(sender.robot);
   writer.u64(sender.boot);
   writer.u64(static_cast<std::uint64_t>(step));
   assert(writer.left() == 0);
-  Nonce nonce;
-  crypto_generichash(nonce.data(), nonce.size(), what.data(), what.size(), secret_.bytes().data(),
-                     SecretKey::kBytes);
-  return nonce;
+  return hash(what);
 }
 
-bool Handshake::challenged_lately(Time now, const SenderId& sender) const {
+Handshake::Half Handshake::address_half(const SenderId& sender, const Endpoint& at,
+                                        std::int64_t step) const {
+  std::array<std::uint8_t, 48> what;
+  exchange::ByteWriter writer(what);
+  writer.u8(kAddressHalf);
+  writer.u64(sender.robot);
+  writer.u64(sender.boot);
+  writer.u8(at.is_ipv6 ? 1 : 0);
+  writer.bytes(at.address);
+  writer.u32(at.interface);
+  writer.u16(at.port);
+  writer.u64(static_cast<std::uint64_t>(step));
+  assert(writer.left() == 0);
+  return hash(what);
+}
+
+bool Handshake::challenged_lately(Time now, const SenderId& sender, const Endpoint& at) const {
   return std::any_of(lately_.begin(), lately_.end(), [&](const Challenged& c) {
-    return c.used && c.sender == sender && now < c.at + kAgain;
+    return c.used && c.sender == sender && c.at == at && now < c.when + kAgain;
   });
 }
 
-bool Handshake::challenge(Time now, const SenderId& sender, const Endpoint& from,
+bool Handshake::challenge(Time now, Asked asked, const SenderId& sender, const Endpoint& from,
                           std::size_t heard_bytes) {
-  if (heard_bytes < kAnswerBytes || waiting_ == answers_.size()) return false;
-  if (challenged_lately(now, sender) || !challenges_.take(now)) return false;
-  lately_[next_lately_] = {sender, now, true};
+  Ring& ring = waiting_[index(Answer::Kind::kChallenge)];
+  if (heard_bytes < kAnswerBytes || ring.full()) return false;
+  if (challenged_lately(now, sender, from)) return false;
+  if (!challenges_[static_cast<std::size_t>(asked)].take(now, from)) return false;
+  lately_[next_lately_] = {sender, from, now, true};
   next_lately_ = (next_lately_ + 1) % lately_.size();
-  return put({Answer::Kind::kChallenge,
-              from,
-              {sender.robot, sender.boot, nonce_of(sender, now.ns / kNonceStep.ns)}});
+  const std::int64_t step = now.ns / kNonceStep.ns;
+  Answer answer{Answer::Kind::kChallenge, from, {sender.robot, sender.boot, {}}};
+  const Half first = asked_half(asked, sender, step);
+  const Half second = address_half(sender, from, step);
+  std::copy(first.begin(), first.end(), answer.proof.nonce.begin());
+  std::copy(second.begin(), second.end(), answer.proof.nonce.begin() + kHalfBytes);
+  ring.put(answer);
+  return true;
 }
 
 bool Handshake::respond(Time now, const SenderId& sender, const Endpoint& from,
                         const exchange::Challenge& challenge) {
-  if (waiting_ == answers_.size() || !responses_.take(now)) return false;
-  return put({Answer::Kind::kResponse, from, {sender.robot, sender.boot, challenge.nonce}});
+  Ring& ring = waiting_[index(Answer::Kind::kResponse)];
+  if (ring.full() || !responses_.take(now, from)) return false;
+  ring.put({Answer::Kind::kResponse, from, {sender.robot, sender.boot, challenge.nonce}});
+  return true;
 }
 
-bool Handshake::is_answered(Time now, const SenderId& sender, const Nonce& nonce) const {
+bool Handshake::joins(Time now, const SenderId& sender, const Nonce& nonce) const {
   const std::int64_t step = now.ns / kNonceStep.ns;
   const auto is = [&](std::int64_t at) {
-    const Nonce expected = nonce_of(sender, at);
-    return sodium_memcmp(expected.data(), nonce.data(), nonce.size()) == 0;
+    const Half expected = asked_half(Asked::kJoin, sender, at);
+    return sodium_memcmp(expected.data(), nonce.data(), expected.size()) == 0;
   };
   return is(step) || is(step - 1);
 }
 
-bool Handshake::put(const Answer& answer) {
-  assert(waiting_ < answers_.size());
-  answers_[(first_ + waiting_) % answers_.size()] = answer;
-  ++waiting_;
-  return true;
+bool Handshake::reaches(Time now, const SenderId& sender, const Endpoint& at,
+                        const Nonce& nonce) const {
+  const std::int64_t step = now.ns / kNonceStep.ns;
+  const auto is = [&](std::int64_t then) {
+    const Half expected = address_half(sender, at, then);
+    return sodium_memcmp(expected.data(), nonce.data() + kHalfBytes, expected.size()) == 0;
+  };
+  return is(step) || is(step - 1);
 }
 
+void Handshake::Ring::put(const Answer& answer) {
+  assert(!full());
+  answers[(first + count) % answers.size()] = answer;
+  ++count;
+}
+
+// Responses first: who is challenged by a flood of recorded datagrams does not keep this robot from
+// being let in by others.
 bool Handshake::next(Answer& out) {
-  if (waiting_ == 0) return false;
-  out = answers_[first_];
-  first_ = (first_ + 1) % answers_.size();
-  --waiting_;
-  return true;
+  for (const Answer::Kind kind : {Answer::Kind::kResponse, Answer::Kind::kChallenge}) {
+    Ring& ring = waiting_[index(kind)];
+    if (ring.count == 0) continue;
+    out = ring.answers[ring.first];
+    ring.first = (ring.first + 1) % ring.answers.size();
+    --ring.count;
+    return true;
+  }
+  return false;
 }
 
 }  // namespace zenith

@@ -92,7 +92,7 @@ Dispatch PeerExchange::next(Time now, std::span<std::uint8_t> out) {
     dispatch.to_everybody = outgoing.to == exchange::kEverybody;
     if (!dispatch.to_everybody) {
       const Session* peer = sessions_.session(outgoing.to);
-      if (peer == nullptr) continue;
+      if (peer == nullptr || !peer->reached) continue;  // as if lost on the way
       dispatch.to = peer->address;
     }
     dispatch.size = sessions_.seal(exchange::Bytes(payload).first(outgoing.size), out);

@@ -14,6 +14,7 @@ namespace {
 constexpr std::uint8_t kMagic0 = 0x5A;
 constexpr std::uint8_t kMagic1 = 0x4E;
 constexpr std::string_view kSenderPurpose = "zenith sender";
+constexpr std::string_view kRobotPurpose = "zenith robot";
 
 using Nonce = std::array<std::uint8_t, crypto_aead_chacha20poly1305_ietf_NPUBBYTES>;
 
@@ -52,12 +53,24 @@ std::uint64_t robot_id(std::string_view name) {
   return exchange::ByteReader(hash).u64();
 }
 
-SecretKey sender_key(const SecretKey& fleet_key, const SenderId& sender) {
+SenderId masked(const SecretKey& fleet_key, const SenderId& sender) {
+  std::array<std::uint8_t, kRobotPurpose.size() + 8> what;
+  exchange::ByteWriter writer(what);
+  for (const char c : kRobotPurpose) writer.u8(static_cast<std::uint8_t>(c));
+  writer.u64(sender.boot);
+  assert(writer.left() == 0);
+  std::array<std::uint8_t, 32> mask;
+  crypto_generichash(mask.data(), mask.size(), what.data(), what.size(), fleet_key.bytes().data(),
+                     SecretKey::kBytes);
+  return {sender.robot ^ exchange::ByteReader(mask).u64(), sender.boot};
+}
+
+SecretKey sender_key(const SecretKey& fleet_key, const SenderId& shown) {
   std::array<std::uint8_t, kSenderPurpose.size() + 16> what;
   exchange::ByteWriter writer(what);
   for (const char c : kSenderPurpose) writer.u8(static_cast<std::uint8_t>(c));
-  writer.u64(sender.robot);
-  writer.u64(sender.boot);
+  writer.u64(shown.robot);
+  writer.u64(shown.boot);
   assert(writer.left() == 0);
   SecretKey key;
   crypto_generichash(key.bytes().data(), SecretKey::kBytes, what.data(), what.size(),

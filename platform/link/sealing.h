@@ -16,7 +16,7 @@ inline constexpr std::size_t kTagBytes = 16;
 inline constexpr std::size_t kMaxDatagramBytes = 1200;
 inline constexpr std::size_t kMaxPayloadBytes = kMaxDatagramBytes - kHeaderBytes - kTagBytes;
 
-inline constexpr std::uint8_t kProtocolVersion = 1;
+inline constexpr std::uint8_t kProtocolVersion = 2;
 
 // One run of the program on one robot.
 struct SenderId {
@@ -31,14 +31,19 @@ struct FrameHeader {
   std::uint8_t version_min = kProtocolVersion;
   std::uint8_t version_max = kProtocolVersion;
   KeyHint key_hint = {};
-  SenderId sender;
+  SenderId sender;  // masked()
   std::uint64_t counter = 0;
 };
 
 std::uint64_t robot_id(std::string_view name);
 
-// The key of what `sender` seals.
-SecretKey sender_key(const SecretKey& fleet_key, const SenderId& sender);
+// The sender as the header shows it to everybody: its robot is combined with a number that takes
+// the fleet's key to compute and differs from boot to boot. Without the key neither the robot can
+// be told from it nor that two boots are of one robot. Masked twice it is the plain one again.
+SenderId masked(const SecretKey& fleet_key, const SenderId& sender);
+
+// The key of what a sender seals; `shown` is as the header has it.
+SecretKey sender_key(const SecretKey& fleet_key, const SenderId& shown);
 
 // False when it is no datagram of ours: too short, too long, another magic. What it says is not
 // believed before open().

@@ -25,14 +25,20 @@ struct SessionSettings {
   std::uint64_t boot = 0;  // random, new at each start
   SecretKey secret;        // likewise
   Duration forget_after = {60'000'000'000};
+  int answers_per_second = Handshake::kPerSecond;  // of each kind, to senders not verified
 };
 
 struct Session {
   SenderId id;
-  RobotName name;    // empty until its HELLO came
-  Endpoint address;  // of its newest datagram
+  KeyHint key = {};      // of its newest datagram
+  RobotName name;        // empty until its HELLO came
+  Endpoint address;      // where it is reached
+  Endpoint moved_to;     // another one that it was heard from, and challenged at
+  bool reached = false;  // it answered at `address`; until then only challenges may go there
   Time verified;
   Time heard;
+  Time heard_at_address;
+  Time unheard_since;          // it is not listened to
   bool is_superseded = false;  // a newer boot of this robot was verified
   bool is_silent = false;      // for too long; heard again, it is a peer as before
   bool is_namesake = false;    // has this robot's own name
@@ -49,6 +55,7 @@ struct Session {
 struct Fresh {
   int session = 0;
   std::uint64_t counter = 0;
+  KeyHint key = {};         // with which it was sealed
   exchange::Bytes payload;  // inside the buffer that was given; its sections fit
 };
 
@@ -88,6 +95,9 @@ class Sessions {
   int find_peer(std::uint64_t robot) const;
   // Rises when somebody became a peer or is none any more.
   std::uint64_t changes() const { return changes_; }
+  // This peer is not to be believed. When another sender with its robot's name still talks, which
+  // had to give way to it, that one is the peer from now on.
+  void set_aside(Time now, int slot);
 
   // A fault that shows behind the frame.
   void count_rejected(Rejected reason) { ++counters_.rejected[static_cast<std::size_t>(reason)]; }
@@ -96,32 +106,44 @@ class Sessions {
   const LinkCounters& counters() const { return counters_; }
 
  private:
-  struct Guard {        // what a session's datagrams are held against
-    SecretKey key;      // of the sender
-    int fleet_key = 0;  // from which it was derived
+  struct Guard {  // what a session's datagrams are held against
+    SecretKey key;
+    KeyHint hint = {};  // of the fleet's key from which it was derived
     ReplayWindow window;
+  };
+  // One datagram whose tag was right.
+  struct Opened {
+    Time now;
+    Endpoint from;
+    FrameHeader header;
+    SenderId sender;  // as it is, not as the header shows it
+    exchange::Bytes payload;
+    std::size_t datagram_bytes = 0;
   };
 
   bool reject(Rejected reason);
-  int fleet_key_of(const KeyHint& hint) const;
-  int find(const SenderId& id) const;
-  bool unseal(int slot, const FrameHeader& header, exchange::Bytes datagram,
-              std::span<std::uint8_t> payload, std::size_t& bytes);
-  bool note_version(const FrameHeader& header, const Endpoint& from);
-  bool greet(Time now, const Endpoint& from, const FrameHeader& header, exchange::Bytes payload,
-             std::size_t datagram_bytes);
-  void admit(Time now, const Endpoint& from, const FrameHeader& header);
-  int room_for(Time now) const;
+  const SecretKey* fleet_key_of(const KeyHint& hint) const;
+  int find(const std::array<SenderId, kMaxSessions>& ids, const SenderId& id) const;
+  void set_key(int slot, const KeyHint& hint, const SecretKey& fleet_key);
+  bool note_version(const Opened& opened);
+  bool greet(const Opened& opened);
+  bool challenge(const Opened& opened, Handshake::Asked asked);
+  void respond(const Opened& opened, const exchange::Challenge& challenge);
+  void admit(const Opened& opened, const Handshake::Nonce& nonce);
+  int room_for(Time now, std::uint64_t robot) const;
   int find_newest(std::uint64_t robot) const;
-  bool note_peer(Time now, int slot, const FrameHeader& header, const Endpoint& from,
-                 exchange::Bytes payload);
+  bool note_peer(int slot, const Opened& opened);
+  bool note_address(Session& session, const Opened& opened);
+  void note_response(Session& session, const Opened& opened, const Handshake::Nonce& nonce);
   bool note_double(Session& session, Time now);
+  bool is_for_us(const std::optional<exchange::Challenge>& challenge) const;
   void put_event(const LinkEvent& event);
 
   std::array<SecretKey, 2> fleet_keys_;
   std::array<KeyHint, 2> hints_;
   std::size_t key_count_ = 1;
   SenderId own_;
+  SenderId own_shown_;  // as its datagrams show it
   RobotName name_;
   SecretKey own_key_;
   std::uint64_t counter_ = 0;
@@ -129,10 +151,14 @@ class Sessions {
   Handshake handshake_;
 
   std::array<bool, kMaxSessions> used_ = {};
-  std::array<SenderId, kMaxSessions> ids_;  // of used slots, side by side for the search
+  std::array<SenderId, kMaxSessions> ids_;    // of used slots, side by side for the search
+  std::array<SenderId, kMaxSessions> shown_;  // the same, as the headers show them
   std::array<Session, kMaxSessions> sessions_;
   std::array<Guard, kMaxSessions> guards_;
-  FixedVector<std::uint64_t, 16> told_versions_;  // boots that speak others
+  std::array<std::uint64_t, 16> told_versions_ = {};  // boots that speak others, a ring
+  std::size_t next_told_version_ = 0;
+  Time version_told_;
+  Time no_room_told_;
 
   std::uint64_t changes_ = 0;
   LinkCounters counters_;

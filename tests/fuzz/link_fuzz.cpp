@@ -2,9 +2,10 @@
 //
 //   even: the rest is a datagram of somebody without the key: nothing of it is ever fresh
 //   odd:  the rest is a payload, sealed by a robot with the key: a verified peer (1, 5, ...) or a
-//         stranger (3, 7, ...)
+//         stranger (3, 7, ...); from where the peer answers, or (bit 3) from elsewhere
 //
-// Neither crashes, and what a stranger says changes no map.
+// Neither crashes, what a stranger says changes no map, and where nobody has answered nothing is
+// sent that is longer than what came from there.
 
 #include <algorithm>
 #include <array>
@@ -50,6 +51,17 @@ struct Fixture {
   void hear(const Endpoint& from, const Datagram& datagram) {
     robot.receive(now, from, datagram, sink);
   }
+  // From where nobody answers. What is sent there at once is all that goes there.
+  void hear_from_elsewhere(const Datagram& datagram) {
+    const Endpoint elsewhere = address_of(9);
+    hear(elsewhere, datagram);
+    std::array<std::uint8_t, kMaxDatagramBytes> out;
+    std::size_t sent = 0;
+    for (Dispatch d = robot.next(now, out); d.size > 0; d = robot.next(now, out)) {
+      if (!d.to_everybody && d.to == elsewhere) sent += d.size;
+    }
+    require(sent <= datagram.size());
+  }
 
   Time now = at(0);
   PeerExchange robot{exchange_settings()};
@@ -75,7 +87,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::uint64_t fresh = fixture->robot.sessions().counters().received;
   const int taken = fixture->sink.taken;
   if (mode % 2 == 0) {
-    fixture->hear(address_of(9), Datagram(rest.begin(), rest.end()));
+    fixture->hear_from_elsewhere(Datagram(rest.begin(), rest.end()));
     require(fixture->robot.sessions().counters().received == fresh);
     require(fixture->sink.taken == taken);
     return 0;
@@ -83,7 +95,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto payload = rest.first(std::min(rest.size(), kMaxPayloadBytes));
   const bool is_peer = mode % 4 == 1;
   TestRobot& speaker = is_peer ? fixture->peer : fixture->stranger;
-  fixture->hear(speaker.address, speaker.say({payload.begin(), payload.end()}));
+  const Datagram datagram = speaker.say({payload.begin(), payload.end()});
+  if ((mode & 8u) != 0) {
+    fixture->hear_from_elsewhere(datagram);
+  } else {
+    fixture->hear(speaker.address, datagram);
+  }
   if (!is_peer) require(fixture->sink.taken == taken);
   return 0;
 }

@@ -122,7 +122,7 @@ void FleetTest::attack(const Daemons& all, SimDaemon& victim) {
   EXPECT_EQ(victim.peer("r2")["address"], NetWorld::address(2) + ":21474");
   ASSERT_TRUE(victim.merged("r2"));
   EXPECT_NEAR(victim.merged("r2")->x_m, alignment->x_m, 0.3);
-  EXPECT_TRUE(victim.logged("of the protocol, this one 1"));
+  EXPECT_TRUE(victim.logged("of the protocol, this one 2"));
 
   // Somebody inside, verified as a robot: quarantined, and nothing of it is used.
   ASSERT_TRUE(hostile->tell_extremes(*keys, robot_id("r1")));

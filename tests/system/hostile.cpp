@@ -131,7 +131,7 @@ std::uint64_t Hostile::truncate(const std::vector<Datagram>& recorded) {
 std::uint64_t Hostile::spoof(const std::vector<Datagram>& recorded) {
   for (Datagram datagram : recorded) {
     const std::size_t field = random_.below(3);
-    if (field == 0) datagram[2] = 2;                          // version
+    if (field == 0) datagram[2] = 77;                         // version
     if (field == 1) datagram[16 + random_.below(8)] ^= 0x55;  // boot
     if (field == 2) datagram[26 + random_.below(6)] ^= 0x55;  // counter
     for (std::size_t i = kHeaderBytes; i < datagram.size(); ++i) {
@@ -173,7 +173,7 @@ std::uint64_t Hostile::knock(const FleetKeys& keys, std::uint64_t count) {
 std::uint64_t Hostile::speak_other_versions(const FleetKeys& keys, std::uint64_t count) {
   for (std::uint64_t i = 0; i < count; ++i) {
     FrameHeader header;
-    header.version = static_cast<std::uint8_t>(2 + i % 200);
+    header.version = static_cast<std::uint8_t>(kProtocolVersion + 1 + i % 200);
     header.sender = {4711, 42};
     header.counter = i + 1;
     send(sealed(keys.current, header, std::vector<std::uint8_t>(100)));

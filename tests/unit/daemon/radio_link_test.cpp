@@ -234,6 +234,119 @@ TEST_F(RadioThread, SleepsWhileItsInterfaceIsNotThere) {
   expect_sleep(config, true);
 }
 
+// A peer whose socket the test holds, and another socket from which its words may come.
+class SpoofedPeer : public RadioLinkTest {
+ protected:
+  class NoMap final : public exchange::RecordSink {
+   public:
+    std::size_t room(int) override { return 100000; }
+    void take(int, const LandmarkRecord&) override {}
+    void forget(int) override {}
+  };
+  static PeerExchangeSettings peer_settings() {
+    PeerExchangeSettings settings;
+    settings.sessions = session_settings("bert", 1);
+    settings.synchroniser.map = 1;
+    settings.synchroniser.seed = 1;
+    return settings;
+  }
+  static RadioSettings socket_settings() {
+    RadioSettings settings;
+    settings.group = "";
+    settings.peers = "127.0.0.1:9";
+    settings.own_port = 0;
+    return settings;
+  }
+  void SetUp() override {
+    RadioLinkTest::SetUp();
+    if (IsSkipped()) return;
+    ASSERT_TRUE(group_.open().ok());
+    ASSERT_TRUE(other_.open().ok());
+  }
+  // Ada and bert, who hears and speaks through `radio`. Bytes that came to him there.
+  std::size_t turn(UdpRadio& radio, const Endpoint* to) {
+    ada_.turn();
+    std::size_t bytes = 0;
+    for (auto batch = radio.receive(); !batch.empty(); batch = radio.receive()) {
+      for (const RadioDatagram& d : batch) {
+        bytes += d.bytes.size();
+        bert_.receive(monotonic_now(), d.from, d.bytes, no_map_);
+      }
+    }
+    std::array<std::uint8_t, kMaxDatagramBytes> out;
+    for (Dispatch d = bert_.next(monotonic_now(), out); d.size > 0;
+         d = bert_.next(monotonic_now(), out)) {
+      const auto datagram = std::span<const std::uint8_t>(out).first(d.size);
+      if (to != nullptr) {
+        radio.send(*to, datagram);
+      } else if (d.to_everybody) {
+        radio.send_to_everybody(datagram);
+      } else {
+        radio.send(d.to, datagram);
+      }
+    }
+    return bytes;
+  }
+  std::vector<std::uint8_t> request_for_all() {
+    exchange::Request request;
+    const exchange::PeerStatus& map = bert_.synchroniser().peer(0);
+    request.robot = map.robot;
+    request.map = map.map;
+    request.ranges.push_back({1, exchange::kToHead});
+    std::vector<std::uint8_t> payload(100);
+    exchange::ByteWriter writer(payload);
+    append(writer, request);
+    payload.resize(writer.size());
+    std::vector<std::uint8_t> datagram(kMaxDatagramBytes);
+    datagram.resize(bert_.sessions().seal(payload, datagram));
+    return datagram;
+  }
+
+  Robot ada_{"ada"};
+  PeerExchange bert_{peer_settings()};
+  NoMap no_map_;
+  UdpRadio group_{radio_config().udp};
+  UdpRadio other_{socket_settings()};
+};
+
+TEST_F(SpoofedPeer, GetsNothingElsewhereUntilItAnswersThere) {
+  for (std::uint32_t id = 1; id <= 1000; ++id) ada_.exchange->own.push(landmark(id));
+  const auto peers = [&] {
+    const int slot = bert_.synchroniser().slot_of(0);
+    return ada_.status().peers.size() == 1 && slot == 0 && bert_.synchroniser().peer(0).complete;
+  };
+  const Time limit = monotonic_now() + Duration{60'000'000'000};
+  while (!peers() && monotonic_now() < limit) (void)turn(group_, nullptr);
+  ASSERT_TRUE(peers());
+  const Endpoint victim = bert_.sessions().session(0)->address;
+
+  // His words come from elsewhere, and he is silent: ada sends no more there than came from there.
+  std::size_t sent = 0;
+  std::size_t received = 0;
+  for (int i = 0; i < 200; ++i) {
+    if (i % 10 == 0) {
+      const auto request = request_for_all();
+      other_.send(victim, request);
+      sent += request.size();
+    }
+    ada_.turn();
+    for (auto batch = other_.receive(); !batch.empty(); batch = other_.receive()) {
+      for (const RadioDatagram& d : batch) received += d.bytes.size();
+    }
+  }
+  EXPECT_LE(received, sent);
+
+  // He is there indeed, and answers: now he is served there.
+  received = 0;
+  const Time end = monotonic_now() + Duration{60'000'000'000};
+  while (received < 20'000 && monotonic_now() < end) {
+    received += turn(other_, &victim);
+    other_.send(victim, request_for_all());
+  }
+  EXPECT_GE(received, 20'000u);
+  EXPECT_EQ(ada_.status().peers.size(), 1u);
+}
+
 TEST_F(RadioLinkTest, AnotherFleetIsNotHeard) {
   Robot ada("ada", 1);
   Robot zoe("zoe", 2);

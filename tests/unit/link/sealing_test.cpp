@@ -29,6 +29,14 @@ std::string hex(std::span<const std::uint8_t> bytes) {
   return text;
 }
 
+std::vector<std::uint8_t> bytes_of(const std::string& hex) {
+  std::vector<std::uint8_t> bytes;
+  for (std::size_t i = 0; i < hex.size(); i += 2) {
+    bytes.push_back(static_cast<std::uint8_t>(std::stoi(hex.substr(i, 2), nullptr, 16)));
+  }
+  return bytes;
+}
+
 // A HELLO of "ada" and a BYE.
 const std::vector<std::uint8_t> kPayload = {1, 4, 0, 3, 'a', 'd', 'a', 7, 0, 0};
 constexpr std::uint64_t kBoot = 0x1122334455667788;
@@ -38,7 +46,7 @@ std::vector<std::uint8_t> golden_datagram() {
   const SecretKey fleet = golden_fleet_key();
   FrameHeader header;
   header.key_hint = key_hint(fleet);
-  header.sender = {robot_id("ada"), kBoot};
+  header.sender = masked(fleet, {robot_id("ada"), kBoot});
   header.counter = kCounter;
   std::vector<std::uint8_t> datagram(kMaxDatagramBytes);
   datagram.resize(seal(sender_key(fleet, header.sender), header, kPayload, datagram));
@@ -51,22 +59,38 @@ TEST(Sealing, IsByteForByteWhatTheProtocolSays) {
   const SecretKey fleet = golden_fleet_key();
   EXPECT_EQ(hint_text(key_hint(fleet)), "2439");
   EXPECT_EQ(robot_id("ada"), 0x4a77e624bd6b07d4U);
-  EXPECT_EQ(hex(sender_key(fleet, {robot_id("ada"), kBoot}).bytes()),
-            "77609d1a060e43b1cc7e72ea9bdb403855e3e6f17d148f382401ae8eeef0937e");
+  const SenderId shown = masked(fleet, {robot_id("ada"), kBoot});
+  EXPECT_EQ(shown, (SenderId{0x288f93880cfe897eU, kBoot}));
+  EXPECT_EQ(hex(sender_key(fleet, shown).bytes()),
+            "a4f700a11a72b4cb744f583fb45e7a1f59510a375871fd01f48999ff8b25d589");
   EXPECT_EQ(hex(golden_datagram()),
-            "5a4e010101002439d4076bbd24e6774a88776655443322110807060504030201"
-            "095e86646d5dc7acd84edd46e9ddedbb58514dfd6863ee8b77aa");
+            "5a4e0202020024397e89fe0c88938f2888776655443322110807060504030201"
+            "7e4877af68902ec89a0976daeb526ff7c4486f44b37aab5f8a20");
+}
+
+// The datagram of version 1, whose header shows the plain robot: its tag is right.
+TEST(Sealing, OpensTheFrameOfVersionOne) {
+  const auto datagram = bytes_of(
+      "5a4e010101002439d4076bbd24e6774a88776655443322110807060504030201"
+      "095e86646d5dc7acd84edd46e9ddedbb58514dfd6863ee8b77aa");
+  FrameHeader header;
+  ASSERT_TRUE(read_header(datagram, header));
+  EXPECT_EQ(header.version, 1);
+  EXPECT_EQ(header.sender, (SenderId{robot_id("ada"), kBoot}));
+  std::array<std::uint8_t, kMaxPayloadBytes> payload;
+  std::size_t size = 0;
+  EXPECT_TRUE(open(sender_key(golden_fleet_key(), header.sender), datagram, payload, size));
 }
 
 TEST(Sealing, OpensWhatItSealed) {
   const auto datagram = golden_datagram();
   FrameHeader header;
   ASSERT_TRUE(read_header(datagram, header));
-  EXPECT_EQ(header.version, 1);
-  EXPECT_EQ(header.version_min, 1);
-  EXPECT_EQ(header.version_max, 1);
+  EXPECT_EQ(header.version, 2);
+  EXPECT_EQ(header.version_min, 2);
+  EXPECT_EQ(header.version_max, 2);
   EXPECT_EQ(header.counter, kCounter);
-  EXPECT_EQ(header.sender, (SenderId{robot_id("ada"), kBoot}));
+  EXPECT_EQ(masked(golden_fleet_key(), header.sender), (SenderId{robot_id("ada"), kBoot}));
   std::array<std::uint8_t, kMaxPayloadBytes> payload;
   std::size_t size = 0;
   ASSERT_TRUE(open(sender_key(golden_fleet_key(), header.sender), datagram, payload, size));
@@ -96,7 +120,8 @@ TEST(Sealing, NoOtherLengthIsADatagram) {
   FrameHeader header;
   std::array<std::uint8_t, kMaxPayloadBytes> payload;
   std::size_t size = 0;
-  const SecretKey key = sender_key(golden_fleet_key(), {robot_id("ada"), kBoot});
+  const SecretKey key =
+      sender_key(golden_fleet_key(), masked(golden_fleet_key(), {robot_id("ada"), kBoot}));
   for (std::size_t length = 0; length < good.size(); ++length) {
     const auto cut = std::span(good).first(length);
     const bool opened = read_header(cut, header) && open(key, cut, payload, size);
