@@ -306,7 +306,7 @@ void RadioLink::write_status(LinkStatus& out, Time now) const {
     peer.address = session->address;
     peer.heard = session->heard;
     peer.slot = peers_.synchroniser().slot_of(i);
-    peer.quarantined = peers_.synchroniser().quarantined(now, session->id.robot);
+    peer.quarantined = peers_.synchroniser().quarantined(now, i);
     if (peer.slot >= 0) {
       const exchange::PeerStatus& map = peers_.synchroniser().peer(peer.slot);
       peer.complete = map.complete;

@@ -13,6 +13,14 @@ MemoryTable synchroniser_memory() {
   return table;
 }
 
+std::uint16_t key_number(const KeyHint& hint) {
+  return exchange::ByteReader(hint).u16();
+}
+
+exchange::Sender sender_of(const Session& session) {
+  return {session.id.robot, session.id.boot, key_number(session.key)};
+}
+
 exchange::Settings with_names(exchange::Settings settings, const SessionSettings& sessions) {
   settings.robot = robot_id(sessions.name.view());
   settings.name.name.clear();
@@ -42,7 +50,12 @@ void PeerExchange::receive(Time now, const Endpoint& from, exchange::Bytes datag
   const bool is_fresh = sessions_.receive(now, from, datagram, payload, fresh);
   if (sessions_.changes() != changes_seen_) reconcile(now);
   // Whoever said goodbye is no peer any more.
-  if (!is_fresh || joined_[static_cast<std::size_t>(fresh.session)] == SenderId{}) return;
+  exchange::Sender& sender = joined_[static_cast<std::size_t>(fresh.session)];
+  if (!is_fresh || sender == exchange::Sender{}) return;
+  if (sender.key != key_number(fresh.key)) {
+    sender.key = key_number(fresh.key);
+    synchroniser_.change_key(fresh.session, sender.key);
+  }
   note_verdict(now, fresh.session,
                synchroniser_.receive(now, fresh.session, fresh.counter, fresh.payload, sink));
 }
@@ -54,9 +67,10 @@ void PeerExchange::note_verdict(Time now, int session, exchange::Verdict verdict
   if (quarantines == quarantines_seen_) return;
   quarantines_seen_ = quarantines;
   const Session& peer = *sessions_.session(session);
-  if (synchroniser_.quarantined(now, peer.id.robot)) {
-    sessions_.tell(LinkEventKind::kQuarantined, peer);
-  }
+  if (!synchroniser_.quarantined(now, session)) return;
+  sessions_.tell(LinkEventKind::kQuarantined, peer);
+  sessions_.set_aside(now, session);
+  if (sessions_.changes() != changes_seen_) reconcile(now);
 }
 
 // Those who are no longer peers leave before others join: a robot that began anew has both.
@@ -64,18 +78,21 @@ void PeerExchange::reconcile(Time now) {
   changes_seen_ = sessions_.changes();
   const auto peer_in = [this](std::size_t slot) {
     const Session* session = sessions_.session(static_cast<int>(slot));
-    return session != nullptr && session->is_peer() ? session->id : SenderId{};
+    return session != nullptr && session->is_peer() ? sender_of(*session) : exchange::Sender{};
+  };
+  const auto is_joined = [&](std::size_t slot) {
+    const exchange::Sender peer = peer_in(slot);
+    return joined_[slot].robot == peer.robot && joined_[slot].boot == peer.boot;
   };
   for (std::size_t i = 0; i < joined_.size(); ++i) {
-    if (joined_[i] == SenderId{} || joined_[i] == peer_in(i)) continue;
+    if (joined_[i] == exchange::Sender{} || is_joined(i)) continue;
     synchroniser_.leave(now, static_cast<int>(i));
     joined_[i] = {};
   }
   for (std::size_t i = 0; i < joined_.size(); ++i) {
-    const SenderId peer = peer_in(i);
-    if (joined_[i] == peer) continue;
-    synchroniser_.join(now, static_cast<int>(i), peer.robot);
-    joined_[i] = peer;
+    if (is_joined(i)) continue;
+    joined_[i] = peer_in(i);
+    synchroniser_.join(now, static_cast<int>(i), joined_[i]);
   }
 }
 

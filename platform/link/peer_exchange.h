@@ -59,7 +59,7 @@ class PeerExchange {
   Sessions sessions_;
   MemoryBlock memory_;
   exchange::Synchroniser synchroniser_;
-  std::array<SenderId, kMaxSessions> joined_ = {};  // as the synchroniser knows them
+  std::array<exchange::Sender, kMaxSessions> joined_ = {};  // as the synchroniser knows them
   std::uint64_t changes_seen_ = 0;
   std::uint64_t quarantines_seen_ = 0;
 };

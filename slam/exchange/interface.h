@@ -19,6 +19,15 @@ inline constexpr std::uint32_t kMaxRate = 500'000;
 // what the peer sent, and send it on in one go.
 inline constexpr std::uint32_t kTakenRate = kMaxRate + kMaxRate / 2;
 
+// A verified sender: one start of one robot's program, and the fleet's key that it seals with.
+struct Sender {
+  std::uint64_t robot = 0;  // as in the frame's header
+  std::uint64_t boot = 0;
+  std::uint16_t key = 0;  // the key's hint
+
+  bool operator==(const Sender&) const = default;
+};
+
 struct Settings {
   std::uint64_t robot = 0;  // this one, as in the frame's header
   Hello name;
@@ -39,7 +48,7 @@ struct Settings {
   int slots = kMaxReplicas;                   // peers' maps that are kept
 };
 
-// Takes the peers' records. A slot is one (robot, map); what is told of a slot before
+// Takes the peers' records. A slot is one (robot, boot, map); what is told of a slot before
 // forget() belongs to another map than what comes after it.
 class RecordSink {
  public:
@@ -78,10 +87,11 @@ struct OwnAlignment {
   double confidence = 0.0;
 };
 
-// What is known of the (robot, map) in one slot.
+// What is known of the (robot, boot, map) in one slot.
 struct PeerStatus {
   bool used = false;
   std::uint64_t robot = 0;
+  std::uint64_t boot = 0;  // that told the map
   std::uint32_t map = 0;
   int session = -1;       // -1: silent, or this map is its old one
   bool complete = false;  // all that the last state told of is here, and the checksum agreed

@@ -13,16 +13,16 @@ constexpr Duration kForgiven = Duration::from_seconds(3600.0);
 
 }  // namespace
 
-const Quarantine::Offender* Quarantine::find(std::uint64_t robot) const {
+const Quarantine::Offender* Quarantine::find(const Sender& sender) const {
   for (const Offender& o : offenders_) {
-    if (o.used && o.robot == robot) return &o;
+    if (o.used && o.sender == sender) return &o;
   }
   return nullptr;
 }
 
-Quarantine::Offender& Quarantine::entry_of(Time now, std::uint64_t robot) {
+Quarantine::Offender& Quarantine::entry_of(Time now, const Sender& sender) {
   for (Offender& o : offenders_) {
-    if (o.used && o.robot == robot) return o;
+    if (o.used && o.sender == sender) return o;
   }
   Offender& o = *std::min_element(offenders_.begin(), offenders_.end(),
                                   [now](const Offender& a, const Offender& b) {
@@ -31,12 +31,12 @@ Quarantine::Offender& Quarantine::entry_of(Time now, std::uint64_t robot) {
                                   });
   o = Offender{};
   o.used = true;
-  o.robot = robot;
+  o.sender = sender;
   return o;
 }
 
-bool Quarantine::fault(Time now, std::uint64_t robot) {
-  Offender& o = entry_of(now, robot);
+bool Quarantine::fault(Time now, const Sender& sender) {
+  Offender& o = entry_of(now, sender);
   if (now < o.until) return false;
   if (o.length > Duration{} && now - o.last > kForgiven) o.length = {};
   o.last = now;
@@ -51,8 +51,8 @@ bool Quarantine::fault(Time now, std::uint64_t robot) {
   return true;
 }
 
-bool Quarantine::holds(Time now, std::uint64_t robot) const {
-  const Offender* o = find(robot);
+bool Quarantine::holds(Time now, const Sender& sender) const {
+  const Offender* o = find(sender);
   return o != nullptr && now < o->until;
 }
 

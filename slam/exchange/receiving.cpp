@@ -53,7 +53,7 @@ Verdict Synchroniser::receive(Time now, int session, std::uint64_t counter, Byte
   Session& from = s.sessions[static_cast<std::size_t>(session)];
   assert(from.joined);
   ++s.counters.datagrams_received;
-  if (s.quarantine.holds(now, from.robot)) {
+  if (s.quarantine.holds(now, from.sender)) {
     ++s.counters.quarantined;
     return Verdict::kQuarantined;
   }

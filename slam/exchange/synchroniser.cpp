@@ -98,12 +98,16 @@ void Synchroniser::say_bye() {
   state_->bye_due = true;
 }
 
-void Synchroniser::join(Time now, int session, std::uint64_t robot) {
+void Synchroniser::join(Time now, int session, const Sender& sender) {
   leave(now, session);
   Session& s = state_->sessions[static_cast<std::size_t>(session)];
   s.joined = true;
-  s.robot = robot;
+  s.sender = sender;
   s.received.configure_average(state_->settings.peer_rate, state_->settings.peer_rate);
+}
+
+void Synchroniser::change_key(int session, std::uint16_t key) {
+  state_->sessions[static_cast<std::size_t>(session)].sender.key = key;
 }
 
 void Synchroniser::leave(Time /*now*/, int session) {
@@ -117,8 +121,9 @@ void Synchroniser::leave(Time /*now*/, int session) {
   s = Session{};
 }
 
-bool Synchroniser::quarantined(Time now, std::uint64_t robot) const {
-  return state_->quarantine.holds(now, robot);
+bool Synchroniser::quarantined(Time now, int session) const {
+  const Session& s = state_->sessions[static_cast<std::size_t>(session)];
+  return s.joined && state_->quarantine.holds(now, s.sender);
 }
 
 void Synchroniser::fault(Time now, int session, RecordSink& sink) {
@@ -128,11 +133,12 @@ void Synchroniser::fault(Time now, int session, RecordSink& sink) {
 void Synchroniser::State::fault(Time now, int session, RecordSink& sink) {
   Session& from = sessions[static_cast<std::size_t>(session)];
   assert(from.joined);
-  if (!quarantine.fault(now, from.robot)) return;
+  if (!quarantine.fault(now, from.sender)) return;
   ++counters.quarantines;
   for (int slot = 0; slot < kMaxReplicas; ++slot) {
     const PeerStatus& status = slots[static_cast<std::size_t>(slot)].status;
-    if (status.used && status.robot == from.robot) clear_slot(slot, sink);
+    const bool is_its_own = status.robot == from.sender.robot && status.boot == from.sender.boot;
+    if (status.used && is_its_own) clear_slot(slot, sink);
   }
   from.wanted.clear();
   from.state_heard = false;
@@ -143,10 +149,11 @@ void Synchroniser::State::fault(Time now, int session, RecordSink& sink) {
 
 // --- slots --------------------------------------------------------------------------------------
 
-int Synchroniser::State::find_slot(std::uint64_t robot, std::uint32_t map) const {
+int Synchroniser::State::find_slot(const Sender& sender, std::uint32_t map) const {
   for (int slot = 0; slot < kMaxReplicas; ++slot) {
     const PeerStatus& status = slots[static_cast<std::size_t>(slot)].status;
-    if (status.used && status.robot == robot && status.map == map) return slot;
+    const bool is_its_own = status.robot == sender.robot && status.boot == sender.boot;
+    if (status.used && is_its_own && status.map == map) return slot;
   }
   return -1;
 }
@@ -185,7 +192,7 @@ int Synchroniser::State::attach(Time now, Session& from, int session, std::uint3
     old.asking = false;
     from.slot = -1;
   }
-  int slot = find_slot(from.robot, map);
+  int slot = find_slot(from.sender, map);
   if (slot >= 0 && slots[static_cast<std::size_t>(slot)].lost) {
     clear_slot(slot, sink);
   } else if (slot < 0) {
@@ -195,7 +202,8 @@ int Synchroniser::State::attach(Time now, Session& from, int session, std::uint3
   Slot& s = slots[static_cast<std::size_t>(slot)];
   if (s.status.session >= 0) sessions[static_cast<std::size_t>(s.status.session)].slot = -1;
   s.status.used = true;
-  s.status.robot = from.robot;
+  s.status.robot = from.sender.robot;
+  s.status.boot = from.sender.boot;
   s.status.map = map;
   s.status.session = session;
   s.status.heard_at = now;

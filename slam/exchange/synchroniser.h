@@ -32,13 +32,15 @@ class Synchroniser {
   void say_bye();
 
   // --- Verified peers.
-  void join(Time now, int session, std::uint64_t robot);
+  void join(Time now, int session, const Sender& sender);
+  // It seals with another key of the fleet from now on.
+  void change_key(int session, std::uint16_t key);
   void leave(Time now, int session);
   // A whole payload; `counter` is the datagram's and tells older from newer states.
   Verdict receive(Time now, int session, std::uint64_t counter, Bytes payload, RecordSink& sink);
   // A fault that the caller noticed.
   void fault(Time now, int session, RecordSink& sink);
-  bool quarantined(Time now, std::uint64_t robot) const;
+  bool quarantined(Time now, int session) const;
 
   // --- Sending.
   // What is due, into `out` (kMaxPayload bytes): to be called until it says that nothing is. What

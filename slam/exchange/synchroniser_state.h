@@ -15,7 +15,7 @@ namespace zenith::exchange {
 // A verified (robot, boot).
 struct Session {
   bool joined = false;
-  std::uint64_t robot = 0;
+  Sender sender;
   int slot = -1;  // of the map that it has now
 
   // Which of its datagrams was newer: those that bore the newest state and the highest revision.
@@ -31,7 +31,7 @@ struct Session {
   Time serve_at;
 };
 
-// A (robot, map).
+// A (robot, boot, map).
 struct Slot {
   PeerStatus status;
   bool merged = false;  // the own map is aligned with it
@@ -66,7 +66,7 @@ struct Synchroniser::State {
 
   // Slots.
   int attach(Time now, Session& from, int session, std::uint32_t map, RecordSink& sink);
-  int find_slot(std::uint64_t robot, std::uint32_t map) const;
+  int find_slot(const Sender& sender, std::uint32_t map) const;
   int free_slot(RecordSink& sink);
   void clear_slot(int slot, RecordSink& sink);
   bool reclaim_records(std::size_t wanted);

@@ -81,7 +81,7 @@ class Run {
       case 0:
         joined_[static_cast<std::size_t>(session)] = true;
         counter_ = 0;
-        sync_.join(now_, session, 10 + (what >> 3u) % 3u);
+        sync_.join(now_, session, {10 + (what >> 3u) % 3u, 20 + (what >> 5u) % 2u, 0});
         break;
       case 1:
         joined_[static_cast<std::size_t>(session)] = false;

@@ -125,5 +125,154 @@ TEST_F(PeerExchangeOfTwo, ARobotThatKeepsMakingFaultsIsQuarantined) {
   EXPECT_TRUE(told);
 }
 
+// Somebody with the key who takes bert's name and makes faults.
+class TakenName : public PeerExchangeOfTwo {
+ protected:
+  void SetUp() override {
+    tell(fleet, 1, 30);
+    fleet.network.run_for(8.0);
+    ASSERT_NE(ada.replica(bert), nullptr);
+    ASSERT_EQ(ada.replica(bert)->size(), 30u);
+  }
+  // Verified as bert, with a boot of its own; then three faults.
+  void misbehave(std::uint64_t boot) {
+    TestRobot mallory(session_settings(bert.name(), boot), 66);
+    hear(mallory, mallory.hello());
+    for (const Datagram& challenge : ada_answers()) mallory.hear(now(), ada.address(), challenge);
+    for (const auto& [to, response] : mallory.answers()) hear(mallory, response);
+    const int slot = ada.link().sessions().find_peer(bert.robot());
+    ASSERT_GE(slot, 0);
+    ASSERT_EQ(ada.link().sessions().session(slot)->id.boot, boot) << "mallory is not even heard";
+    for (int i = 0; i < 3; ++i) hear(mallory, mallory.say({5, 200, 0, 1, 2, 3}));
+  }
+  void hear(const TestRobot& speaker, const Datagram& datagram) {
+    ada.link().receive(now(), speaker.address, datagram, ada);
+  }
+  std::vector<Datagram> ada_answers() {
+    std::vector<Datagram> all;
+    std::array<std::uint8_t, kMaxDatagramBytes> room;
+    for (Dispatch d = ada.link().next(now(), room); d.size > 0; d = ada.link().next(now(), room)) {
+      if (d.to_everybody) continue;
+      all.emplace_back(room.begin(), room.begin() + static_cast<std::ptrdiff_t>(d.size));
+    }
+    return all;
+  }
+  Time now() const { return fleet.network.now(); }
+  void expect_bert_is_heard() {
+    ASSERT_NE(ada.replica(bert), nullptr) << "his map was withdrawn";
+    EXPECT_EQ(ada.replica(bert)->size(), bert.own().size());
+    EXPECT_TRUE(ada.complete(bert));
+    const int slot = ada.link().sessions().find_peer(bert.robot());
+    ASSERT_GE(slot, 0);
+    EXPECT_EQ(ada.link().sessions().session(slot)->id, bert.link().sessions().own());
+    EXPECT_FALSE(ada.sync().quarantined(now(), slot));
+  }
+};
+
+TEST_F(TakenName, TheHonestRobotIsHeardAgainOnceTheOtherIsQuarantined) {
+  misbehave(777'777);
+  EXPECT_EQ(ada.sync().counters().quarantines, 1u);
+  bert.set(made_up_record(fleet.random, 99, 1));
+  fleet.network.run_for(5.0);
+  expect_bert_is_heard();
+}
+
+TEST_F(TakenName, TheHonestRobotsNextBootIsHeardAtOnce) {
+  misbehave(777'777);
+  bert.restart(4242);
+  tell(fleet, 1, 20);
+  fleet.network.run_for(6.0);
+  expect_bert_is_heard();
+}
+
+TEST_F(TakenName, AgainAndAgain) {
+  for (std::uint64_t i = 0; i < 100; ++i) {
+    misbehave(800'000 + i);
+    fleet.network.run_for(2.0);
+  }
+  fleet.network.run_for(5.0);
+  expect_bert_is_heard();
+}
+
+// Bert's faults are bert's: his next boot begins without them, and is quarantined for its own.
+TEST_F(TakenName, ARobotThatIsBrokenIsQuarantinedInEachBoot) {
+  for (int boot = 0; boot < 3; ++boot) {
+    std::array<std::uint8_t, kMaxDatagramBytes> datagram;
+    for (int i = 0; i < 3; ++i) {
+      const std::vector<std::uint8_t> cut = {5, 200, 0, 1, 2, 3};
+      const std::size_t size = bert.link().sessions().seal(cut, datagram);
+      ada.link().receive(now(), bert.address(), std::span(datagram).first(size), ada);
+    }
+    const int slot = ada.link().sessions().find_peer(bert.robot());
+    ASSERT_GE(slot, 0);
+    EXPECT_TRUE(ada.sync().quarantined(now(), slot));
+    EXPECT_EQ(ada.replica(bert), nullptr);
+    bert.restart(static_cast<std::uint32_t>(5000 + boot));
+    tell(fleet, 1, 20);
+    fleet.network.run_for(12.0);
+    expect_bert_is_heard();
+  }
+}
+
+// With the key somebody can even speak as bert's own boot. When the fleet has changed its key, what
+// was done with the old one is not held against him.
+TEST_F(TakenName, ANewKeyEndsAQuarantine) {
+  const int slot = ada.link().sessions().find_peer(bert.robot());
+  TestRobot forger(session_settings(bert.name(), bert.link().sessions().own().boot), 66);
+  for (int i = 0; i < 2000; ++i) (void)forger.say({});
+  for (int i = 0; i < 3; ++i) hear(forger, forger.say({5, 200, 0, 1, 2, 3}));
+  ASSERT_TRUE(ada.sync().quarantined(now(), slot));
+  const FleetKeys both = {key_of(2), key_of(1), true};
+  ada.link().sessions().set_keys(both);
+  bert.link().sessions().set_keys(both);
+  std::array<std::uint8_t, kMaxDatagramBytes> datagram;
+  for (int i = 0; i < 2100; ++i) (void)bert.link().sessions().seal({}, datagram);
+  fleet.network.run_for(8.0);
+  expect_bert_is_heard();
+}
+
+// Ever new names with the key, each with a map, while bert goes on: they replace one another, and
+// leave as many traces as there are places.
+TEST_F(PeerExchangeOfTwo, EverNewNamesLeaveWhatThereIsRoomFor) {
+  tell(fleet, 1, 40);
+  fleet.network.run_for(8.0);
+  std::array<std::uint8_t, kMaxDatagramBytes> room;
+  for (std::uint64_t i = 0; i < 400; ++i) {
+    TestRobot sybil("name-" + std::to_string(i), 9000 + i, 66);
+    const Time now = fleet.network.now();
+    ada.link().receive(now, sybil.address, sybil.hello(), ada);
+    for (Dispatch d = ada.link().next(now, room); d.size > 0; d = ada.link().next(now, room)) {
+      if (d.to_everybody || d.to != sybil.address) continue;
+      sybil.hear(now, ada.address(),
+                 Datagram(room.begin(), room.begin() + static_cast<std::ptrdiff_t>(d.size)));
+    }
+    for (const auto& [to, response] : sybil.answers()) {
+      ada.link().receive(now, sybil.address, response, ada);
+    }
+    StateNotice state;
+    state.map = static_cast<std::uint32_t>(i + 1);
+    std::vector<std::uint8_t> payload(200);
+    ByteWriter writer(payload);
+    append(writer, state);
+    payload.resize(writer.size());
+    ada.link().receive(now, sybil.address, sybil.say(payload), ada);
+    fleet.network.run_for(0.5);
+  }
+  int used = 0;
+  int sybils = 0;
+  for (int slot = 0; slot < kMaxReplicas; ++slot) {
+    const PeerStatus& peer = ada.sync().peer(slot);
+    used += peer.used ? 1 : 0;
+    sybils += peer.used && peer.robot != bert.robot() ? 1 : 0;
+  }
+  EXPECT_GT(sybils, 20);
+  EXPECT_LE(used, kMaxReplicas);
+  EXPECT_TRUE(ada.complete(bert));
+  EXPECT_EQ(ada.replica(bert)->size(), 40u);
+  // The last one that came has a place, the first ones have none any more.
+  EXPECT_GE(ada.slot_of(robot_id("name-399"), 400), 0);
+  EXPECT_EQ(ada.slot_of(robot_id("name-0"), 1), -1);
+}
+
 }  // namespace
 }  // namespace zenith::exchange

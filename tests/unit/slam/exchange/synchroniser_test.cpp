@@ -27,7 +27,7 @@ TEST(Synchroniser, TellsStateEverySecondAndItsNameEveryOther) {
 
 TEST(Synchroniser, AsksForGapsAndKnowsWhenItHasAll) {
   Rig rig;
-  rig.sync.join(rig.at(rig.now_s), 3, 700);
+  rig.sync.join(rig.at(rig.now_s), 3, {700});
   rig.hear(3, Payload().state(7, 10, 10, checksum_of({1, 10})).records(7, {1, 4}));
   rig.hear(3, Payload().records(7, {7, 8}));
   EXPECT_FALSE(rig.sync.peer(0).complete);
@@ -55,7 +55,7 @@ TEST(Synchroniser, AsksForGapsAndKnowsWhenItHasAll) {
 TEST(Synchroniser, AsksSeveralOwnersWithOneDatagram) {
   Rig rig;
   for (const int session : {0, 1, 2}) {
-    rig.sync.join(rig.at(rig.now_s), session, 700 + static_cast<std::uint64_t>(session));
+    rig.sync.join(rig.at(rig.now_s), session, {700 + static_cast<std::uint64_t>(session)});
     rig.hear(session, Payload().state(7, 5, 5, 1));
   }
   std::set<int> to;
@@ -66,7 +66,7 @@ TEST(Synchroniser, AsksSeveralOwnersWithOneDatagram) {
 TEST(Synchroniser, ServesOneAloneAndSeveralAtOnce) {
   Rig rig;
   for (const int session : {0, 1}) {
-    rig.sync.join(rig.at(rig.now_s), session, 700 + static_cast<std::uint64_t>(session));
+    rig.sync.join(rig.at(rig.now_s), session, {700 + static_cast<std::uint64_t>(session)});
   }
   for (std::uint32_t id = 1; id <= 30; ++id) rig.sync.set_own(rig_landmark(id));
   rig.run_until(101.5);
@@ -97,7 +97,7 @@ TEST(Synchroniser, ServesOneAloneAndSeveralAtOnce) {
 
 TEST(Synchroniser, NothingIsMarkedWhenTheSinkIsFull) {
   Rig rig;
-  rig.sync.join(rig.at(rig.now_s), 0, 700);
+  rig.sync.join(rig.at(rig.now_s), 0, {700});
   rig.sink.room_left = 2;
   EXPECT_EQ(rig.hear(0, Payload().state(7, 5, 5, checksum_of({1, 5})).records(7, {1, 5})),
             Verdict::kNoRoom);
@@ -112,7 +112,7 @@ TEST(Synchroniser, NothingIsMarkedWhenTheSinkIsFull) {
 
 TEST(Synchroniser, ADifferentChecksumBringsAllOnceMore) {
   Rig rig;
-  rig.sync.join(rig.at(rig.now_s), 0, 700);
+  rig.sync.join(rig.at(rig.now_s), 0, {700});
   rig.hear(0, Payload().state(7, 5, 5, 0).records(7, {1, 5}));
   ASSERT_EQ(rig.sink.maps[0].size(), 5u);
   // The owner has 1 to 4 only: the removal of 5 is forgotten.
@@ -139,7 +139,7 @@ TEST(Synchroniser, ADifferentChecksumBringsAllOnceMore) {
 // The owner told of 3 once more before it covered its old revision; this state is older than that.
 TEST(Synchroniser, AStateThatRecordsOvertookIsNotCompared) {
   Rig rig;
-  rig.sync.join(rig.at(rig.now_s), 0, 700);
+  rig.sync.join(rig.at(rig.now_s), 0, {700});
   rig.counter = 10;
   rig.hear(0, Payload().state(7, 5, 5, checksum_of({1, 5})).records(7, {1, 2}));
   rig.hear(0, Payload().records(7, {4, 5}));
@@ -156,7 +156,7 @@ TEST(Synchroniser, AStateThatRecordsOvertookIsNotCompared) {
 // Of an empty map there is nothing to ask for, whatever its checksum.
 TEST(Synchroniser, AnEmptyMapWithAChecksumIsAskedForNothing) {
   Rig rig;
-  rig.sync.join(rig.at(rig.now_s), 0, 700);
+  rig.sync.join(rig.at(rig.now_s), 0, {700});
   rig.hear(0, Payload().state(7, 0, 0, 99));
   EXPECT_TRUE(Rig::sections(rig.run_until(105.0), SectionType::kRequest).empty());
   EXPECT_FALSE(rig.sync.peer(0).complete);
@@ -164,7 +164,7 @@ TEST(Synchroniser, AnEmptyMapWithAChecksumIsAskedForNothing) {
 
 TEST(Synchroniser, ALateRecordDoesNotBringBackARemovedLandmark) {
   Rig rig;
-  rig.sync.join(rig.at(rig.now_s), 0, 700);
+  rig.sync.join(rig.at(rig.now_s), 0, {700});
   Payload late;
   late.records(7, {1, 1});
   rig.hear(0, Payload().state(7, 1, 1, checksum_of({1, 1})));
@@ -183,12 +183,12 @@ TEST(Synchroniser, ALateRecordDoesNotBringBackARemovedLandmark) {
 
 TEST(Synchroniser, ThreeFaultsAndNothingIsUsedForAMinute) {
   Rig rig;
-  rig.sync.join(rig.at(rig.now_s), 0, 700);
+  rig.sync.join(rig.at(rig.now_s), 0, {700});
   rig.hear(0, Payload().state(7, 5, 5, 0).records(7, {1, 5}));
   Payload malformed;
   malformed.out.u8(9);
   for (int i = 0; i < 3; ++i) EXPECT_EQ(rig.hear(0, malformed), Verdict::kMalformed);
-  EXPECT_TRUE(rig.sync.quarantined(rig.at(rig.now_s), 700));
+  EXPECT_TRUE(rig.sync.quarantined(rig.at(rig.now_s), 0));
   EXPECT_TRUE(rig.sink.maps[0].empty()) << "its map is withdrawn";
   EXPECT_EQ(rig.sync.slot_of(0), -1);
   EXPECT_EQ(rig.hear(0, Payload().state(7, 5, 5, 0)), Verdict::kQuarantined);
@@ -200,7 +200,7 @@ TEST(Synchroniser, ThreeFaultsAndNothingIsUsedForAMinute) {
 TEST(Synchroniser, NoticesContradictions) {
   const auto verdict = [](auto first, auto second) {
     Rig rig;
-    rig.sync.join(rig.at(rig.now_s), 0, 700);
+    rig.sync.join(rig.at(rig.now_s), 0, {700});
     EXPECT_EQ(rig.hear(0, first), Verdict::kUsed);
     return rig.hear(0, second);
   };
@@ -220,7 +220,7 @@ TEST(Synchroniser, NoticesContradictions) {
 
 TEST(Synchroniser, AnOlderStateIsPassedOver) {
   Rig rig;
-  rig.sync.join(rig.at(rig.now_s), 0, 700);
+  rig.sync.join(rig.at(rig.now_s), 0, {700});
   const Payload old = Payload().state(7, 3, 3, 0);
   rig.counter = 10;
   rig.hear(0, Payload().state(7, 5, 5, 0));
@@ -234,7 +234,7 @@ TEST(Synchroniser, AnOlderStateIsPassedOver) {
 
 TEST(Synchroniser, MoreThanOneRobotMaySendIsAFault) {
   Rig rig;
-  rig.sync.join(rig.at(rig.now_s), 0, 700);
+  rig.sync.join(rig.at(rig.now_s), 0, {700});
   const Payload big = Payload().state(7, 60, 60, 0).records(7, {1, 45});
   Verdict last = Verdict::kUsed;
   for (int i = 0; i < 1000 && last == Verdict::kUsed; ++i) last = rig.hear(0, big);
@@ -243,7 +243,7 @@ TEST(Synchroniser, MoreThanOneRobotMaySendIsAFault) {
 
 TEST(Synchroniser, MoreLandmarksThanOneRobotMayHaveIsAFault) {
   Rig rig;
-  rig.sync.join(rig.at(rig.now_s), 0, 700);
+  rig.sync.join(rig.at(rig.now_s), 0, {700});
   rig.hear(0, Payload().state(7, 1, 1, 0));
   Verdict last = Verdict::kUsed;
   std::uint32_t first = 1;
@@ -264,7 +264,7 @@ TEST(Synchroniser, OldMapsGiveWayUnmergedOnesFirst) {
     rig.now_s += 20.0;
     return rig.hear(0, Payload().state(map, 1, 1, 0).records(map, {1, 1}));
   };
-  rig.sync.join(rig.at(rig.now_s), 0, 700);
+  rig.sync.join(rig.at(rig.now_s), 0, {700});
   EXPECT_EQ(begin(1), Verdict::kUsed);
   OwnAlignment merged;
   merged.slot = rig.sync.slot_of(0);
@@ -276,10 +276,10 @@ TEST(Synchroniser, OldMapsGiveWayUnmergedOnesFirst) {
   EXPECT_EQ(maps, (std::set<std::uint32_t>{1, 4, 5}));
 
   for (const int session : {1, 2}) {
-    rig.sync.join(rig.at(rig.now_s), session, 700 + static_cast<std::uint64_t>(session));
+    rig.sync.join(rig.at(rig.now_s), session, {700 + static_cast<std::uint64_t>(session)});
     EXPECT_EQ(rig.hear(session, Payload().state(9, 0, 0, 0)), Verdict::kUsed);
   }
-  rig.sync.join(rig.at(rig.now_s), 3, 703);
+  rig.sync.join(rig.at(rig.now_s), 3, {703});
   EXPECT_EQ(rig.hear(3, Payload().state(9, 0, 0, 0)), Verdict::kNoRoom);
   EXPECT_EQ(rig.sync.slot_of(3), -1);
   EXPECT_EQ(rig.sync.counters().slots_refused, 1u);
@@ -287,12 +287,12 @@ TEST(Synchroniser, OldMapsGiveWayUnmergedOnesFirst) {
 
 TEST(Synchroniser, WhoComesBackWithItsMapNeedsOnlyWhatIsNew) {
   Rig rig;
-  rig.sync.join(rig.at(rig.now_s), 0, 700);
+  rig.sync.join(rig.at(rig.now_s), 0, {700});
   rig.hear(0, Payload().state(7, 5, 5, checksum_of({1, 5})).records(7, {1, 5}));
   rig.sync.leave(rig.at(rig.now_s), 0);
   EXPECT_EQ(rig.sync.peer(0).session, -1);
   EXPECT_EQ(rig.sink.maps[0].size(), 5u);
-  rig.sync.join(rig.at(rig.now_s), 8, 700);
+  rig.sync.join(rig.at(rig.now_s), 8, {700});
   rig.hear(8, Payload().state(7, 6, 6, checksum_of({1, 6})));
   EXPECT_EQ(rig.sync.slot_of(8), 0);
   const auto requests = Rig::sections(rig.run_until(100.5), SectionType::kRequest);
@@ -306,7 +306,7 @@ TEST(Synchroniser, AlignmentsTakeTurnsAndAreHeard) {
   Rig rig;
   std::vector<OwnAlignment> own;
   for (int session = 0; session < 12; ++session) {
-    rig.sync.join(rig.at(rig.now_s), session, 700 + static_cast<std::uint64_t>(session));
+    rig.sync.join(rig.at(rig.now_s), session, {700 + static_cast<std::uint64_t>(session)});
     rig.hear(session, Payload().state(7, 0, 0, 0));
     own.emplace_back();
     own.back().slot = rig.sync.slot_of(session);
@@ -353,7 +353,7 @@ TEST(Synchroniser, CopiesToEverybodyKeepTheCap) {
   settings.max_rate = 60'000;
   Rig rig(settings);
   rig.sync.set_copies_to_everybody(40);
-  rig.sync.join(rig.at(rig.now_s), 0, 700);
+  rig.sync.join(rig.at(rig.now_s), 0, {700});
   for (std::uint32_t id = 1; id <= 500; ++id) rig.sync.set_own(rig_landmark(id));
   std::vector<std::pair<double, std::size_t>> sent;
   std::size_t records = 0;
@@ -390,7 +390,7 @@ TEST(Synchroniser, OwnDatagramsOfTheCallerCountToo) {
 
 TEST(Synchroniser, SaysWhenItHasSomething) {
   Rig rig;
-  rig.sync.join(rig.at(rig.now_s), 0, 700);
+  rig.sync.join(rig.at(rig.now_s), 0, {700});
   for (std::uint32_t id = 1; id <= 3000; ++id) rig.sync.set_own(rig_landmark(id));
   rig.hear(0, Payload().state(7, 50, 50, 0));
   Time now = rig.at(rig.now_s);
