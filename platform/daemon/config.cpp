@@ -10,7 +10,6 @@
 #include "platform/config/robot_settings.h"
 #include "platform/daemon/tap/tap.h"
 #include "slam/exchange/interface.h"
-#include "slam/exchange/messages.h"
 
 namespace zenith {
 namespace {
