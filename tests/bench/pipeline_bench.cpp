@@ -3,6 +3,7 @@
 // particles, and one peer's map searched in each frame. Left out, in its favour: the likelihoods,
 // the proposal, the copying of maps when particles are drawn anew, and all that follows a search.
 
+#include <algorithm>
 #include <memory>
 #include <string>
 #include <vector>

@@ -1,5 +1,6 @@
 #include "platform/daemon/perception.h"
 
+#include <algorithm>
 #include <functional>
 #include <memory>
 #include <thread>

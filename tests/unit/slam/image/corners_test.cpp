@@ -1,5 +1,6 @@
 #include "slam/image/corners.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>

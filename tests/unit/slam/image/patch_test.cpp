@@ -1,5 +1,6 @@
 #include "slam/image/patch.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <vector>
