@@ -1,6 +1,8 @@
 # What Debian hardens its own programs with (dpkg-buildflags, hardening=+all), for every program and
 # module of ours: position independent, read-only relocations bound at start, canaries on the stack,
-# checked string functions. tests/unit/hardening looks at the built files.
+# checked string functions. tests/unit/hardening looks at the built files. The compile flags cost the
+# step 0.04 % of its instructions (rtsan_step built with gcc 12 -O3, counted by callgrind: 18.249 and
+# 18.242 thousand million), and none of its twenty largest functions more than 0.1 %.
 #
 # Sanitizers bring checks of their own that these would hide.
 if(NOT ZENITH_SANITIZE)

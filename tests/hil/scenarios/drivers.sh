@@ -15,7 +15,7 @@ if [[ ! -e $HIL_BUILD/lib/zenith/zenith-libcamera.so ]]; then
 fi
 "$HIL_BUILD/tests/zenith_tests_drivers" --gtest_color=no \
   --gtest_filter="$filter" 2>&1 |
-  tee "$said" | grep -E '^\[  (FAILED|SKIPPED)|^\[  PASSED|Failure$|tests ran' || true
+  tee "$said" | { grep -E '^\[  (FAILED|SKIPPED)|^\[  PASSED|Failure$|tests ran' || true; }
 status=${PIPESTATUS[0]}
 skipped=$(grep '^\[  SKIPPED \] .*)$' "$said" | grep -v 'PulledOutItIsLostUntilItIsOpenedAgain')
 if [[ -n $skipped ]]; then
