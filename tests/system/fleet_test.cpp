@@ -125,7 +125,10 @@ void FleetTest::attack(const Daemons& all, SimDaemon& victim) {
   EXPECT_TRUE(victim.logged("of the protocol, this one 2"));
 
   // Somebody inside, verified as a robot: quarantined, and nothing of it is used.
-  ASSERT_TRUE(hostile->tell_extremes(*keys, robot_id("r1")));
+  ASSERT_TRUE(hostile->tell_extremes(*keys, robot_id("r1"), [&] {
+    victim.listen();
+    return !victim.peer("mallory").is_null();
+  }));
   EXPECT_TRUE(listen_until(all, kLimit_s, [&] {
     const auto mallory = victim.peer("mallory");
     return !mallory.is_null() && mallory["quarantined"] == true;

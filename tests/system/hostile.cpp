@@ -181,7 +181,8 @@ std::uint64_t Hostile::speak_other_versions(const FleetKeys& keys, std::uint64_t
   return count;
 }
 
-bool Hostile::tell_extremes(const FleetKeys& keys, std::uint64_t victim_robot) {
+bool Hostile::tell_extremes(const FleetKeys& keys, std::uint64_t victim_robot,
+                            const std::function<bool()>& is_known) {
   PeerExchangeSettings settings;
   settings.sessions.keys = keys;
   settings.sessions.name.assign("mallory");
@@ -212,7 +213,7 @@ bool Hostile::tell_extremes(const FleetKeys& keys, std::uint64_t victim_robot) {
     return exchange.sessions().find_peer(victim_robot) >= 0 &&
            exchange.sessions().counters().responses > 0;
   };
-  run_until(is_verified);
+  run_until([&] { return is_verified() && is_known(); });
   if (!is_verified()) return false;
   for (const auto& payload : extreme_payloads()) {
     send(std::span(datagram).first(exchange.sessions().seal(payload, datagram)));

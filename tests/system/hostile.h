@@ -2,6 +2,7 @@
 // Somebody on the robots' network who means them ill, with or without their key.
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -37,9 +38,10 @@ class Hostile {
   // With the key: strangers who never answer, other versions.
   std::uint64_t knock(const FleetKeys& keys, std::uint64_t count);
   std::uint64_t speak_other_versions(const FleetKeys& keys, std::uint64_t count);
-  // With the key, and verified as the robot "mallory": records at the end of all numbers. False
-  // when the victim does not verify it.
-  bool tell_extremes(const FleetKeys& keys, std::uint64_t victim_robot);
+  // With the key, and verified as the robot "mallory": records at the end of all numbers, once the
+  // victim knows it. False when the victim does not verify it.
+  bool tell_extremes(const FleetKeys& keys, std::uint64_t victim_robot,
+                     const std::function<bool()>& is_known);
 
  private:
   void send(std::span<const std::uint8_t> datagram);
