@@ -99,11 +99,13 @@ Status MapStore::save(StoredMap& map) {
     (void)folder_.remove(partial());
     return put;
   }
-  // From here on the new one may be what is found after a power cut.
+  bytes_written_ += bytes.size();
+  // A power cut may still undo the new name. Until the folder is synced the other generation is the
+  // one that counts, and the next save() writes over this one once more.
+  if (const Status synced = folder_.sync_folder(); !synced) return synced;
   newest_ = target;
   ++checkpoint_;
-  bytes_written_ += bytes.size();
-  return folder_.sync_folder();
+  return {};
 }
 
 Status MapStore::write_partial(Bytes bytes) {

@@ -42,8 +42,8 @@ class MapStore {
 
   // To be called once, before save().
   LoadedMap load();
-  // Writes one checkpoint; `map.head.checkpoint` is set to the next one. After an error the
-  // generations are as they were.
+  // Writes one checkpoint; `map.head.checkpoint` is set to the next one. After an error the newest
+  // generation that was reported as written is still there, and the next save() leaves it alone.
   Status save(StoredMap& map);
 
   // The place is another one: both generations get names of their own, and a new map begins.

@@ -110,6 +110,7 @@ Status FaultyFolder::remove(const std::string& name) {
 
 Status FaultyFolder::sync_folder() {
   if (const Status done = change("sync the folder"); !done) return done;
+  if (folder_sync_fails_) return Error{"sync the folder: input/output error (EIO)"};
   history_ = {names_};
   return {};
 }

@@ -24,6 +24,8 @@ class FaultyFolder final : public Folder {
 
   void set_full(bool full) { full_ = full; }
   void set_read_only(bool read_only) { read_only_ = read_only; }
+  // Files are written and synced, the folder is not: its names may be lost at the next cut.
+  void fail_folder_sync(bool fail) { folder_sync_fails_ = fail; }
   // As a program with other ideas would.
   void put(const std::string& name, std::vector<std::uint8_t> bytes);
   std::vector<std::string> names() const;
@@ -55,6 +57,7 @@ class FaultyFolder final : public Folder {
   int changes_ = 0;
   bool full_ = false;
   bool read_only_ = false;
+  bool folder_sync_fails_ = false;
   std::map<int, File> files_;
   int next_ = 0;
   int open_ = -1;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "tests/support/faulty_folder.h"
@@ -69,6 +70,41 @@ TEST(MapStore, AFullDiskKeepsWhatIsThere) {
   EXPECT_EQ(map.head.checkpoint, 2u);
   MapStore again(disk);
   EXPECT_EQ(again.load().map->head.checkpoint, 2u);
+}
+
+// The new names were not synced: whatever a cut leaves of them, the last checkpoint that was
+// reported as written is found, also after a retry.
+TEST(MapStore, AFolderThatDoesNotSyncCostsNoCheckpointThatWasReported) {
+  const TestSeed seed;
+  Random random(seed.value(), 1);
+  for (std::uint64_t cut = 0; cut < 64; ++cut) {
+    FaultyFolder disk(seed.value() + cut);
+    MapStore store(disk);
+    StoredMap map = random_map(30, random);
+    ASSERT_TRUE(store.save(map).ok());
+    ASSERT_TRUE(store.save(map).ok());
+    disk.fail_folder_sync(true);
+    for (int tries = 0; tries < 3; ++tries) {
+      EXPECT_FALSE(store.save(map).ok());
+      EXPECT_EQ(map.head.checkpoint, 3u) << "none of them counts";
+    }
+    const std::vector<std::uint8_t> second = *disk.read("map-1.zenmap", kMaxMapBytes);
+    EXPECT_EQ(decode_map(second).map.head.checkpoint, 2u) << "the good generation is left alone";
+    disk.fail_folder_sync(false);
+    if (cut % 2 == 0) {
+      disk.power_on();
+      MapStore again(disk);
+      const LoadedMap loaded = again.load();
+      ASSERT_TRUE(loaded.map.has_value()) << "cut " << cut;
+      EXPECT_GE(loaded.map->head.checkpoint, 2u);
+      EXPECT_THAT(loaded.messages, testing::IsEmpty());
+    } else {
+      ASSERT_TRUE(store.save(map).ok());
+      disk.power_on();
+      MapStore again(disk);
+      EXPECT_EQ(again.load().map->head.checkpoint, 3u);
+    }
+  }
 }
 
 TEST(MapStore, AReadOnlyDiskIsRead) {
