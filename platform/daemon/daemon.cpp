@@ -85,10 +85,6 @@ class Threads {
   std::size_t count_ = 0;
 };
 
-void log_report(const Report& report) {
-  for (const std::string& line : report) log_line(LogLevel::kWarning, "%s", line.c_str());
-}
-
 void serve(Housekeeping& housekeeping, Signals& signals) {
   while (true) {
     const auto request = signals.wait(kTick);
@@ -238,7 +234,7 @@ int run_daemon(const DaemonConfig& config, const std::filesystem::path& file,
                              {.name = "zen-tap"},
                              [&](const std::atomic<bool>& stop) { tap.server->run(stop); }, report);
   }
-  log_report(report);
+  log_lines(LogLevel::kWarning, "", report);
 
   Housekeeping housekeeping(config, file, devices->description, *perception, *cooperation,
                             *exchange, notify, keeper_of_map.get());

@@ -40,9 +40,7 @@ void DeviceKeeper::tend_camera(Time now) {
   if (!opened) return;
   log_line(LogLevel::kNotice, LogFields("camera-opened"), "camera: %s",
            camera_.description().c_str());
-  for (const std::string& warning : camera_.warnings()) {
-    log_line(LogLevel::kWarning, "camera: %s", warning.c_str());
-  }
+  log_lines(LogLevel::kWarning, "camera", camera_.warnings());
   camera_turn_.give_to_perception();
 }
 

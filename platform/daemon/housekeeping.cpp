@@ -75,15 +75,6 @@ LogFields fields_of(const PerceptionEvent& event, const char* peer) {
 
 }  // namespace
 
-void log_lines(LogLevel level, const std::string& text) {
-  std::size_t begin = 0;
-  while (begin <= text.size()) {
-    const std::size_t end = std::min(text.find('\n', begin), text.size());
-    log_line(level, "%s", text.substr(begin, end - begin).c_str());
-    begin = end + 1;
-  }
-}
-
 LiveSettings live_settings(const DaemonConfig& config) {
   return {Duration::from_seconds(config.odometry_patience_s),
           {config.load.busy_share, config.load.corners_min, config.slam.corners_max}};
@@ -330,9 +321,9 @@ void Housekeeping::reload(Time now) {
   note_manager(notify_.reloading(now));
   auto read = read_daemon_config(file_);
   if (!read) {
-    log_line(LogLevel::kError, LogFields("configuration-wrong"),
-             "the configuration stays as it was; %s is wrong:", file_.c_str());
-    log_lines(LogLevel::kError, read.error().message);
+    log_lines(LogLevel::kError, LogFields("configuration-wrong"),
+              "the configuration stays as it was; " + file_.string() + " is wrong:\n" +
+                  read.error().message);
   } else {
     const auto taken = changed_keys(config_, *read, true);
     const auto waiting = changed_keys(config_, *read, false);
@@ -358,10 +349,10 @@ void Housekeeping::reload_keys() {
   if (!config_.radio.enabled || config_.radio.key_file.empty()) return;
   const auto keys = read_fleet_keys(config_.radio.key_file);
   if (!keys) {
-    log_line(LogLevel::kError, "%s",
-             cooperation_.has_link() ? "the fleet key stays as it was; its file is wrong:"
-                                     : "the radio stays off; the file of its key is wrong:");
-    log_lines(LogLevel::kError, keys.error().message);
+    const std::string what = cooperation_.has_link()
+                                 ? "the fleet key stays as it was; its file is wrong:\n"
+                                 : "the radio stays off; the file of its key is wrong:\n";
+    log_lines(LogLevel::kError, what + keys.error().message);
   } else if (!cooperation_.has_link()) {
     log_line(LogLevel::kWarning,
              "the file of the fleet key is right now: a restart turns the radio on");

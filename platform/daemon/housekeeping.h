@@ -18,9 +18,6 @@
 
 namespace zenith {
 
-// A message of several lines, as so many lines of the log.
-void log_lines(LogLevel level, const std::string& text);
-
 LiveSettings live_settings(const DaemonConfig& config);
 
 class Housekeeping {

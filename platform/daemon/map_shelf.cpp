@@ -65,9 +65,7 @@ std::vector<PastMap> MapShelf::load() {
   for (Place& place : places_) {
     const Time start = monotonic_now();
     storage::LoadedMap loaded = place.store.load();
-    for (const std::string& message : loaded.messages) {
-      log_line(LogLevel::kWarning, "stored map: %s", message.c_str());
-    }
+    log_lines(LogLevel::kWarning, "stored map", loaded.messages);
     if (!loaded.map) continue;
     log_loaded(place, loaded, (monotonic_now() - start).seconds() * 1e3);
     place.disk = Disk::kAsLoaded;

@@ -286,7 +286,7 @@ void RadioLink::log_news(Time now) {
     log_event(event);
   }
   std::string news;
-  if (radio_.next_news(news)) log_line(LogLevel::kWarning, "%s", news.c_str());
+  if (radio_.next_news(news)) log_lines(LogLevel::kWarning, news);
 }
 
 void RadioLink::write_status(LinkStatus& out, Time now) const {

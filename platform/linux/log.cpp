@@ -46,6 +46,26 @@ void make_one_line(const char* raw, bool cut, Text& text) {
   text[write_printable_cut(raw, room, cut)] = '\0';
 }
 
+// The beginning of `line` that fits into `text`, up to a space where there is one. Returns how many
+// bytes of the line it is.
+std::size_t take_beginning(std::string_view line, Text& text) {
+  const std::span<char> room = std::span(text).first(text.size() - 1);
+  PrintableSize size = write_printable(line, room);
+  const std::size_t space = line.substr(0, size.read + 1).rfind(' ');
+  if (size.read < line.size() && space != std::string_view::npos && space > 0) {
+    size = write_printable(line.substr(0, space), room);
+  }
+  text[size.written] = '\0';
+  return size.read;
+}
+
+// FNV-1a.
+std::uint64_t hash_of(std::string_view text) {
+  std::uint64_t hash = 0xCBF29CE484222325ULL;
+  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001B3ULL;
+  return hash;
+}
+
 }  // namespace
 
 void Log::write(LogLevel level, const char* format, ...) {
@@ -66,6 +86,52 @@ void Log::write(LogLevel level, Time now, const LogFields& fields, const char* f
   const bool cut = length >= static_cast<int>(raw.size());
   make_one_line(length < 0 ? format : raw.data(), cut, record.text);
   if (!queue_.push(record)) lost_.fetch_add(1, kRelaxed);
+}
+
+void Log::write_report(LogLevel level, Time now, const LogFields& fields, std::string_view text) {
+  if (text.empty() || !would_log(level) || !report_passes(level, text, now)) return;
+  for (std::size_t lines = 0; !text.empty(); ++lines) {
+    Record record;
+    record.level = level;
+    if (lines == 0) record.fields = fields;
+    std::size_t taken = text.size();
+    if (lines < kReportLines) {
+      taken = take_beginning(text.substr(0, text.find('\n')), record.text);
+    } else {
+      const auto left = 1 + std::count(text.begin(), text.end(), '\n');
+      std::snprintf(record.text.data(), kTextBytes, "and %td further lines", left);
+    }
+    if (!queue_.push(record)) lost_.fetch_add(1, kRelaxed);
+    // What ends the line, or the space at which it was broken, is not told.
+    const bool has_end = taken < text.size() && (text[taken] == '\n' || text[taken] == ' ');
+    text.remove_prefix(taken + (has_end ? 1 : 0));
+  }
+}
+
+bool Log::report_passes(LogLevel level, std::string_view text, Time now) {
+  const std::uint64_t hash = hash_of(text);
+  const std::scoped_lock lock(reports_mutex_);
+  ReportSite* mine = nullptr;
+  for (ReportSite& site : reports_) {
+    if (site.times > 0 && site.suppressed == 0 && now - site.window_start >= kWindow) site = {};
+    if (site.times > 0 && site.text_hash == hash) mine = &site;
+  }
+  for (ReportSite& site : reports_) {
+    if (mine == nullptr && site.times == 0) mine = &site;
+  }
+  if (mine == nullptr) {
+    ++reports_without_site_;
+    suppressed_.fetch_add(1, kRelaxed);
+    return false;
+  }
+  if (mine->times == 0) {
+    *mine = {hash, now, 0, 0, level, {}};
+    mine->beginning.assign(text.substr(0, text.find('\n')));
+  }
+  if (mine->times++ < kBurst) return true;
+  ++mine->suppressed;
+  suppressed_.fetch_add(1, kRelaxed);
+  return false;
 }
 
 Log::Site* Log::site_of(const char* format) {
@@ -109,6 +175,7 @@ std::size_t Log::drain(Time now) {
   }
   tell_lost();
   tell_suppressed(now);
+  tell_suppressed_reports(now);
   return written_;
 }
 
@@ -128,15 +195,29 @@ void Log::tell_suppressed(Time now) {
     if (now.ns - site.window_start_ns.load(kRelaxed) >= kWindow.ns) {
       count += site.suppressed.exchange(0, kRelaxed);
     }
-    if (count == 0) continue;
-    Text raw;
-    const int length =
-        std::snprintf(raw.data(), raw.size(), "%" PRIu32 " more lines like this were left out: %s",
-                      count, site.format.load(kRelaxed));
-    Text text;
-    make_one_line(raw.data(), length >= static_cast<int>(raw.size()), text);
-    put(site.level.load(kRelaxed), text.data(), LogFields("log-lines-left-out"));
+    if (count > 0) put_left_out(site.level.load(kRelaxed), count, site.format.load(kRelaxed));
   }
+}
+
+void Log::tell_suppressed_reports(Time now) {
+  const std::scoped_lock lock(reports_mutex_);
+  for (ReportSite& site : reports_) {
+    if (site.suppressed == 0 || now - site.window_start < kWindow) continue;
+    put_left_out(site.level, site.suppressed, site.beginning.c_str());
+    site = {};
+  }
+  if (reports_without_site_ == 0) return;
+  put_left_out(LogLevel::kWarning, reports_without_site_, "too many different reports");
+  reports_without_site_ = 0;
+}
+
+void Log::put_left_out(LogLevel level, std::uint32_t count, const char* what) {
+  Text raw;
+  const int length = std::snprintf(
+      raw.data(), raw.size(), "%" PRIu32 " more lines like this were left out: %s", count, what);
+  Text text;
+  make_one_line(raw.data(), length >= static_cast<int>(raw.size()), text);
+  put(level, text.data(), LogFields("log-lines-left-out"));
 }
 
 bool Log::put_entry(LogLevel level, const char* text, const LogFields& fields) const {
@@ -229,6 +310,23 @@ void log_line(LogLevel level, const LogFields& fields, const char* format, ...) 
   va_start(arguments, format);
   process_log().write(level, monotonic_now(), fields, format, arguments);
   va_end(arguments);
+}
+
+void log_lines(LogLevel level, std::string_view text) {
+  process_log().write_report(level, monotonic_now(), {}, text);
+}
+
+void log_lines(LogLevel level, const LogFields& fields, std::string_view text) {
+  process_log().write_report(level, monotonic_now(), fields, text);
+}
+
+void log_lines(LogLevel level, std::string_view what, const std::vector<std::string>& lines) {
+  std::string text;
+  for (const std::string& line : lines) {
+    text.append(text.empty() ? "" : "\n").append(what).append(what.empty() ? "" : ": ");
+    text.append(line);
+  }
+  log_lines(level, text);
 }
 
 }  // namespace zenith

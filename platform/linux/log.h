@@ -7,12 +7,20 @@
 //
 // A message's site is its format string: keep to literals. Each site may log kBurst lines in
 // kWindow; what exceeds that is counted, and told when the window is over.
+//
+// Lines that belong together, such as all mistakes of a file, are one report (write_report()): it
+// is told whole. Its site is its text: kBurst times the same one in kWindow, then it is left out
+// whole.
 
 #include <array>
 #include <atomic>
 #include <cstdarg>
 #include <cstddef>
 #include <cstdint>
+#include <mutex>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "platform/base/time.h"
 #include "platform/linux/journal.h"
@@ -41,6 +49,8 @@ class Log {
   static constexpr std::size_t kQueued = 256;
   static constexpr std::size_t kSites = 128;  // further ones have no rate limit
   static constexpr std::uint32_t kBurst = 10;
+  static constexpr std::size_t kReportLines = 128;  // of one report; how many follow is its last
+  static constexpr std::size_t kReports = 32;       // different ones in kWindow
   static constexpr Duration kWindow = {10'000'000'000};
   // A reader that does not read may hold up drain() for so long, once; its lines are then dropped
   // until it reads again.
@@ -65,6 +75,10 @@ class Log {
   void write(LogLevel level, Time now, const LogFields& fields, const char* format,
              va_list arguments) __attribute__((format(printf, 5, 0)));
 
+  // Threads without deadlines: takes a lock. A line of `text` that is too long becomes several; the
+  // first bears `fields`.
+  void write_report(LogLevel level, Time now, const LogFields& fields, std::string_view text);
+
   // One thread: writes what is queued, tells what was lost or suppressed. Returns how many lines.
   std::size_t drain(Time now);
 
@@ -87,9 +101,22 @@ class Log {
     std::atomic<LogLevel> level = LogLevel::kInfo;
   };
 
+  // How often a report was logged in its window.
+  struct ReportSite {
+    std::uint64_t text_hash = 0;
+    Time window_start;
+    std::uint32_t times = 0;  // 0: the site is free
+    std::uint32_t suppressed = 0;
+    LogLevel level = LogLevel::kInfo;
+    FixedText<80> beginning;
+  };
+
   Site* site_of(const char* format);
   bool passes(LogLevel level, const char* format, Time now);
+  bool report_passes(LogLevel level, std::string_view text, Time now);
   void tell_suppressed(Time now);
+  void tell_suppressed_reports(Time now);
+  void put_left_out(LogLevel level, std::uint32_t count, const char* what);
   void tell_lost();
   void put(LogLevel level, const char* text, const LogFields& fields);
   bool put_entry(LogLevel level, const char* text, const LogFields& fields) const;
@@ -108,6 +135,9 @@ class Log {
   bool stuck_ = false;     // the reader does not read
   bool mid_line_ = false;  // it took a part of the last line
   std::array<Site, kSites> sites_ = {};
+  std::mutex reports_mutex_;
+  std::array<ReportSite, kReports> reports_ = {};  // under reports_mutex_
+  std::uint32_t reports_without_site_ = 0;         // likewise; left out
   MpscQueue<Record, kQueued> queue_;
 };
 
@@ -120,6 +150,10 @@ Log& process_log();
 void log_line(LogLevel level, const char* format, ...) __attribute__((format(printf, 2, 3)));
 void log_line(LogLevel level, const LogFields& fields, const char* format, ...)
     __attribute__((format(printf, 3, 4)));
+// A report into process_log(): the lines of `text`, or each of `lines` after "what: ".
+void log_lines(LogLevel level, std::string_view text);
+void log_lines(LogLevel level, const LogFields& fields, std::string_view text);
+void log_lines(LogLevel level, std::string_view what, const std::vector<std::string>& lines);
 
 // Whether `journal_stream` ("device:inode", or nullptr) names the file that `fd` is.
 bool is_journal(int fd, const char* journal_stream);

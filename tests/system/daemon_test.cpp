@@ -101,6 +101,16 @@ TEST_F(DaemonTest, RunsReloadsAndStops) {
   EXPECT_TRUE(logged(":11: unknown key slam.particels; did you mean slam.particles?"));
   EXPECT_EQ(next(reader, "health")["load"]["corners_max"], 128);
 
+  // More mistakes than one site of the log may have lines: all are told.
+  std::string mistakes = "[map]\n";
+  for (int i = 101; i <= 125; ++i) mistakes += "no_such_key_" + std::to_string(i) + " = 1\n";
+  configure(mistakes);
+  daemon.send(SIGHUP);
+  ASSERT_TRUE(manager.heard("READY=1", kLimit_s));
+  for (int i = 101; i <= 125; ++i) {
+    EXPECT_TRUE(logged("unknown key map.no_such_key_" + std::to_string(i))) << i;
+  }
+
   // A right one: what may change does, the rest waits. The lamp is not there; it was looked for.
   configure(
       "rate_hz = 1\n[slam]\ncorners_max = 60\nparticles = 100\n[map]\ninterval_s = 9\n[leds]\n"

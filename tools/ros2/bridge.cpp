@@ -196,7 +196,7 @@ void Bridge::note_links(const std::vector<RobotState>& states) {
 }
 
 void Bridge::note(const Status& written) {
-  if (!written) log_line(LogLevel::kWarning, "%s", written.error().message.c_str());
+  if (!written) log_lines(LogLevel::kWarning, written.error().message);
 }
 
 }  // namespace zenith::ros2

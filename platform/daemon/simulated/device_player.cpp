@@ -24,7 +24,7 @@ void start_or_tell(Thread& thread, const char* name, std::function<void()> body)
   Report report;
   const Status started = thread.start({.name = name, .stack_bytes = std::size_t{2048} * 1024},
                                       std::move(body), report);
-  if (!started) log_line(LogLevel::kError, "%s", started.error().message.c_str());
+  if (!started) log_lines(LogLevel::kError, started.error().message);
 }
 
 }  // namespace

@@ -9,9 +9,7 @@ namespace zenith {
 Result<Devices> make_replayed_devices(const DaemonConfig& config) {
   auto source = RecordingSource::open(config.replay);
   if (!source) return source.error();
-  for (const std::string& warning : (*source)->warnings()) {
-    log_line(LogLevel::kWarning, "replay: %s", warning.c_str());
-  }
+  log_lines(LogLevel::kWarning, "replay", (*source)->warnings());
   const std::string description = "replay of " + config.replay.folder;
   const RobotConfig robot = (*source)->robot();
   const WheelDecoder decoder = (*source)->decoder();

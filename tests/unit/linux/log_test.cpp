@@ -189,6 +189,60 @@ TEST_F(LogRateTest, TheNextWindowBeginsAnewAndForgetsNothing) {
   EXPECT_THAT(lines(), ElementsAre(HasSubstr("<4>1 more lines")));
 }
 
+// A file with many mistakes: each of them is told.
+TEST_F(LogRateTest, AReportIsToldWhole) {
+  std::string text = "the file is wrong:";
+  for (int i = 1; i <= 3 * kBurst; ++i) text += "\nfile:" + std::to_string(i) + ": unknown key";
+  log_->write_report(LogLevel::kError, kStart, LogFields("configuration-wrong"), text);
+  log_->drain(kStart);
+  std::vector<std::string> found = lines();
+  ASSERT_THAT(found, SizeIs(3 * kBurst + 1));
+  EXPECT_EQ(found.front(), "<3>the file is wrong:");
+  EXPECT_EQ(found.back(), "<3>file:30: unknown key");
+
+  // Another one right after it is told too; so is the same one again, kBurst times.
+  log_->write_report(LogLevel::kError, kStart, {}, text + "\nfile:31: and another one");
+  for (int i = 0; i < kBurst + 2; ++i) {
+    log_->write_report(LogLevel::kError, kStart, {}, text);
+    log_->drain(kStart);
+  }
+  EXPECT_THAT(lines(), SizeIs(3 * kBurst + 2 + (kBurst - 1) * (3 * kBurst + 1)));
+  EXPECT_EQ(log_->drain(kStart + Log::kWindow), 1u);
+  EXPECT_THAT(lines(), ElementsAre("<3>3 more lines like this were left out: the file is wrong:"));
+  log_->write_report(LogLevel::kError, kStart + Log::kWindow, {}, text);
+  log_->drain(kStart + Log::kWindow);
+  EXPECT_THAT(lines(), SizeIs(3 * kBurst + 1));
+}
+
+TEST_F(LogRateTest, AReportIsBoundedAndItsLongLinesAreBroken) {
+  const std::string word(100, 'w');
+  log_->write_report(LogLevel::kInfo, kStart, {},
+                     word + " " + word + " " + word + "\n" + std::string(500, 'x'));
+  log_->drain(kStart);
+  EXPECT_THAT(lines(), ElementsAre("<6>" + word + " " + word, "<6>" + word,
+                                   "<6>" + std::string(Log::kTextBytes - 1, 'x'),
+                                   "<6>" + std::string(Log::kTextBytes - 1, 'x'),
+                                   "<6>" + std::string(500 - 2 * (Log::kTextBytes - 1), 'x')));
+  std::string long_text = "0";
+  for (std::size_t i = 1; i < Log::kReportLines + 7; ++i) long_text += "\n" + std::to_string(i);
+  log_->write_report(LogLevel::kInfo, kStart, {}, long_text);
+  log_->drain(kStart);
+  const std::vector<std::string> found = lines();
+  ASSERT_THAT(found, SizeIs(Log::kReportLines + 1));
+  EXPECT_EQ(found.back(), "<6>and 7 further lines");
+  EXPECT_EQ(log_->counters().lost, 0u);
+}
+
+TEST_F(LogRateTest, EverNewReportsAreLeftOutAtSomePoint) {
+  for (std::size_t i = 0; i < Log::kReports + 5; ++i) {
+    log_->write_report(LogLevel::kInfo, kStart, {}, "error number " + std::to_string(i));
+  }
+  log_->drain(kStart);
+  const std::vector<std::string> found = lines();
+  ASSERT_THAT(found, SizeIs(Log::kReports + 1));
+  EXPECT_THAT(found.back(), HasSubstr("5 more lines like this were left out"));
+}
+
 TEST_F(LogTest, AReaderThatDoesNotReadHoldsNothingUp) {
   // Fill the pipe until it takes no more.
   fcntl(in_.get(), F_SETFL, O_NONBLOCK);
