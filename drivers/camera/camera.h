@@ -63,6 +63,9 @@ class Camera {
 
   // After open(): what was agreed on, for a person: "V4L2 /dev/video0 (vivid), GREY 640x480, 25/s".
   virtual std::string description() const = 0;
+  // After open(): the frames' period that the driver agreed on with the device; 0: it does not say.
+  // Also for the realtime thread.
+  virtual Duration period() const = 0;
   // After open(): what was asked for and could not be had, one sentence each.
   virtual std::vector<std::string> warnings() const { return {}; }
   // Why wait() says kLost, a static text for the log; empty while it does not.

@@ -164,6 +164,7 @@ Status LibcameraCamera::start_stream() {
   clock_.new_stream();
   sequence_.reset();
   period_ = Duration::from_seconds(1.0 / rate_hz);
+  agreed_period_ = controls.rate_hz > 0.0 ? period_ : Duration{0};
   stall_ = Duration::from_seconds(std::max(settings_.stall_s, kStallPeriods / rate_hz));
   patience_ = std::max(stall_, Duration::from_seconds(settings_.first_frame_s));
   last_alive_ = monotonic_now();

@@ -48,6 +48,7 @@ class LibcameraCamera final : public Camera {
   CameraWait wait(Duration timeout, CameraFrame& out) override;
 
   std::string description() const override { return description_; }
+  Duration period() const override { return agreed_period_; }
   std::vector<std::string> warnings() const override { return warnings_; }
   const char* lost_reason() const override { return lost_reason_ != nullptr ? lost_reason_ : ""; }
   const CameraCounters& counters() const override { return counters_; }
@@ -112,7 +113,8 @@ class LibcameraCamera final : public Camera {
   SensorClock clock_;
   FrameSequence sequence_;
   const char* lost_reason_ = "the camera is not open";
-  Duration period_;
+  Duration agreed_period_;  // 0: the rate is not in our hands
+  Duration period_;         // else the wished one
   Duration stall_;
   Duration patience_;  // until the next good frame: longer before the first
   Time last_alive_;

@@ -54,6 +54,7 @@ Status SimulatedCamera::open() {
   while (filled_.pop(old)) give_back(old);
   counting_ = false;
   lost_reason_ = "";
+  period_ = {offered_ns_.load(std::memory_order_relaxed)};
   ++counters_.opened;
   streaming_.store(true, std::memory_order_release);
   on_open_();

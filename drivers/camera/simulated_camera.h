@@ -31,6 +31,8 @@ class SimulatedCamera final : public Camera {
   void deliver(Time stamp, std::span<const std::uint8_t> pixels);
   // A frame that cannot be used: it is counted, and its number is used up.
   void deliver_damaged();
+  // What open() agrees on from then on; 0: it does not say. Any thread.
+  void set_period(Duration period) { offered_ns_.store(period.ns, std::memory_order_relaxed); }
   // False: pulled out; open() fails until it is plugged in again. Any one thread.
   void set_plugged(bool plugged) { plugged_.store(plugged, std::memory_order_release); }
 
@@ -39,6 +41,7 @@ class SimulatedCamera final : public Camera {
   CameraWait wait(Duration timeout, CameraFrame& out) override;
 
   std::string description() const override { return description_; }
+  Duration period() const override { return period_; }
   const char* lost_reason() const override { return lost_reason_; }
   const CameraCounters& counters() const override { return counters_; }
 
@@ -65,11 +68,13 @@ class SimulatedCamera final : public Camera {
   SpscQueue<int, 8> free_;
   std::atomic<bool> streaming_ = false;
   std::atomic<bool> plugged_ = true;
+  std::atomic<std::int64_t> offered_ns_ = 0;
 
   std::uint64_t sent_ = 0;  // of the sender
 
   // Of the receiver.
   const char* lost_reason_ = "the camera is not open";
+  Duration period_ = {0};
   bool holds_ = false;
   Filled held_;
   std::uint64_t first_number_ = 0;

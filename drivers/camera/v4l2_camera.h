@@ -34,6 +34,9 @@ class V4l2Camera final : public Camera {
   CameraWait wait(Duration timeout, CameraFrame& out) override;
 
   std::string description() const override { return description_; }
+  Duration period() const override {
+    return agreed_.rate_hz > 0.0 ? Duration::from_seconds(1.0 / agreed_.rate_hz) : Duration{0};
+  }
   std::vector<std::string> warnings() const override { return warnings_; }
   const char* lost_reason() const override { return lost_reason_ != nullptr ? lost_reason_ : ""; }
   const CameraCounters& counters() const override { return counters_; }

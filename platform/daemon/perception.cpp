@@ -85,6 +85,8 @@ void Perception::wait_for_frame() {
     }
     return;
   }
+  if (!camera_is_known_) period_.begin(devices_.camera->period());
+  camera_is_known_ = true;
   CameraFrame frame;
   const CameraWait result = devices_.camera->wait(kSlice, frame);
   const Time now = monotonic_now();
@@ -98,6 +100,7 @@ void Perception::wait_for_frame() {
     case CameraWait::kFrame:
       break;
   }
+  period_.note(frame.stamp, frame.sequence);
   const Lens& lens = devices_.robot.lens;
   if (frame.luma.width != lens.width_px || frame.luma.height != lens.height_px) {
     report_.last_frame = now;
@@ -168,6 +171,7 @@ void Perception::note_can_state() {
 void Perception::lose_camera(const char* why) {
   tell(PerceptionEventKind::kCameraLost, why);
   report_.camera = devices_.camera->counters();
+  camera_is_known_ = false;
   camera_turn_.give_to_keeper();
 }
 
@@ -218,15 +222,19 @@ void Perception::use_frame() {
 
   const Time end = monotonic_now();
   const Duration cpu = {thread_cpu_time().ns - cpu_start.ns};
-  deadlines_.note(end - start, cpu, end - output.stamp, period_);
+  deadlines_.note(end - start, cpu, end - output.stamp, period_.value());
   report_.step = end - start;
-  report_.period = period_;
+  report_.period = period_.value();
   note_load(end - start);
   if (first) tell(PerceptionEventKind::kFirstPose);
   write_report(end);
 }
 
 void Perception::receive_peers() {
+  if (past_left_.load(std::memory_order_relaxed)) {
+    past_left_.store(false, std::memory_order_relaxed);
+    slam_->forget(kPastSlot);
+  }
   // Slam takes records of one peer at a time: runs of one peer's go together.
   std::size_t count = 0;
   int peer = 0;
@@ -296,7 +304,7 @@ void Perception::note_alignments() {
 
 void Perception::note_load(Duration wall) {
   const bool shed_before = shedder_.sheds();
-  shedder_.note(wall, period_);
+  shedder_.note(wall, period_.value());
   report_.sheds = shedder_.sheds();
   report_.corners_max = shedder_.corners_max();
   report_.frames_shed = shedder_.frames_shed();
@@ -312,6 +320,8 @@ void Perception::write_report(Time now) {
   if (can_turn_.is_perceptions()) report_.can = devices_.can->counters();
   report_.camera_up = report_.camera_up && camera_turn_.is_perceptions();
   report_.can_up = report_.can_up && can_turn_.is_perceptions();
+  report_.agreed_period = period_.agreed();
+  report_.measured_period = period_.measured();
   report_.wheels = decoder_.counters();
   report_.steps = slam_->counters();
   report_.corners_max = shedder_.corners_max();

@@ -19,6 +19,7 @@
 #include "platform/daemon/deadlines.h"
 #include "platform/daemon/devices.h"
 #include "platform/daemon/exchange.h"
+#include "platform/daemon/frame_period.h"
 #include "platform/daemon/frozen_picture.h"
 #include "platform/daemon/load_shedder.h"
 #include "platform/daemon/perception_report.h"
@@ -63,6 +64,9 @@ class Perception {
 
   // --- for other threads --------------------------------------------------------------------
 
+  // The map in kPastSlot was abandoned: from the next frame on the robot does not look for itself
+  // in it.
+  void leave_past() { past_left_.store(true, std::memory_order_relaxed); }
   Turn& camera_turn() { return camera_turn_; }
   Turn& can_turn() { return can_turn_; }
   const Deadlines& deadlines() const { return deadlines_; }
@@ -104,7 +108,8 @@ class Perception {
   WheelDecoder decoder_;
   FrozenPicture frozen_;
   Time next_reopening_;  // for a frozen picture
-  Duration period_;
+  FramePeriod period_;
+  bool camera_is_known_ = false;  // period_ has begun with the camera as it was opened last
   LiveSettings live_;
   MemoryBlock memory_;
   std::optional<Slam> slam_;
@@ -127,6 +132,7 @@ class Perception {
   TripleBuffer<LiveSettings> new_live_;
   TripleBuffer<Picture> pictures_;
   std::atomic<bool> picture_asked_ = false;
+  std::atomic<bool> past_left_ = false;
   std::atomic<std::uint64_t> heartbeat_ = 0;
 };
 

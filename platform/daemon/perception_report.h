@@ -51,8 +51,10 @@ struct PerceptionReport {
   int candidates = 0;
   int matched = 0;
   int inliers = 0;
-  Duration step = {0};    // what it took
-  Duration period = {0};  // what it may take
+  Duration step = {0};             // what it took
+  Duration period = {0};           // what it may take: FramePeriod's
+  Duration agreed_period = {0};    // with the camera; 0: not known
+  Duration measured_period = {0};  // likewise
   FixedVector<PeerReport, kMaxPeers> peers;
 
   bool camera_up = false;

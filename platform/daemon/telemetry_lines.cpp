@@ -16,10 +16,17 @@ unsigned long long ns_of(Time time) {
   return static_cast<unsigned long long>(time.ns);
 }
 
+// 0: not known.
+double rate_hz(Duration period) {
+  return period.ns > 0 ? 1.0 / period.seconds() : 0.0;
+}
+
 void write_camera(JsonLine& line, const PerceptionReport& report) {
   const CameraCounters& c = report.camera;
   line.begin("camera")
       .flag("up", report.camera_up)
+      .number("agreed_hz", rate_hz(report.agreed_period))
+      .number("measured_hz", rate_hz(report.measured_period))
       .count("frames", c.frames)
       .count("skipped", c.skipped)
       .count("lost_in_driver", c.lost_in_driver)

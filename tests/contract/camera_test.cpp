@@ -103,6 +103,8 @@ TEST_P(CameraContract, FramesComeWithRisingStampsOfTheirCapture) {
   EXPECT_FALSE(camera_->description().empty());
   for (const std::string& warning : camera_->warnings()) EXPECT_FALSE(warning.empty());
   EXPECT_STREQ(camera_->lost_reason(), "");
+  EXPECT_GE(camera_->period(), Duration{0});
+  EXPECT_LE(camera_->period(), Duration{10'000'000'000});
   for (int i = 0; i < 8; ++i) {
     ASSERT_NO_FATAL_FAILURE(next());
     EXPECT_GT(frame_.stamp, before);

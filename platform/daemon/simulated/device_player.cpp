@@ -130,6 +130,7 @@ Devices make_played_devices(std::unique_ptr<MomentSource> source, const RobotCon
                                                       std::to_string(robot.lens.width_px) + "x" +
                                                       std::to_string(robot.lens.height_px),
                                                   [world = player.get()] { world->start(); });
+  camera->set_period(Duration::from_seconds(1.0 / robot.frame_rate_hz));
   auto can = std::make_unique<SimulatedCanBus>(decoder.ids());
   player->connect(*camera, *can);
   Devices devices;

@@ -271,6 +271,25 @@ TEST(Perception, ARobotThatStandsBeforeAnEqualPictureHasAGoodCamera) {
   EXPECT_EQ(report.camera.opened, 1u);
 }
 
+// What a step may take follows the camera that is open, not the wish.
+TEST(Perception, TheFramesPeriodIsTheCamerasOwn) {
+  PerceptionRig rig;  // asked for 20 a second, and gets as many
+  constexpr Duration kSlow = {5'000'000'000};
+  constexpr Duration kSlower = {8'000'000'000};
+  rig.robot.camera->set_period(kSlow);
+  rig.start();
+  ASSERT_TRUE(rig.wait_for([](const auto& r) { return r.steps.frames >= 1; }));
+  EXPECT_EQ(rig.report().agreed_period, kSlow);
+  ASSERT_TRUE(rig.wait_for([](const auto& r) { return r.measured_period.ns > 0; }));
+  ASSERT_TRUE(rig.wait_for([](const auto& r) { return r.period == r.measured_period; }));
+  EXPECT_LT(rig.report().period, kSlow) << "the driver is wrong: the frames' stamps count";
+  rig.robot.camera->set_period(kSlower);
+  rig.robot.camera->set_plugged(false);
+  ASSERT_TRUE(rig.wait_for([](const auto& r) { return !r.camera_up; }));
+  rig.robot.camera->set_plugged(true);
+  ASSERT_TRUE(rig.wait_for([&](const auto& r) { return r.agreed_period == kSlower; }));
+}
+
 TEST(Perception, WaitsForWheelsButNotForEver) {
   LiveSettings live = calm_settings();
   live.patience = {20'000'000};

@@ -83,6 +83,7 @@ TEST_F(V4l2CameraTest, DeliversEachFrameWithItsStampAndNumber) {
   EXPECT_EQ(counters().skipped + counters().lost_in_driver + counters().damaged, 0u);
   EXPECT_EQ(counters().stamps_replaced, 0u);
   EXPECT_EQ(camera->description(), "V4L2 /dev/video50 (vivid), GREY 640x480, 25/s");
+  EXPECT_EQ(camera->period(), Duration{40'000'000});
   EXPECT_TRUE(camera->warnings().empty());
 }
 
