@@ -34,8 +34,8 @@ the newest checkpoint of the map.
   zenith map export /var/lib/zenith map.png        a picture; also .ply and .csv
   zenith map import anna.zenmap /var/lib/zenith    begin with another robot's map
 
-Import while the service is stopped: systemctl stop zenithd. What was there before is set aside
-beside it. A copy for another robot is the file itself: cp, scp.)";
+Import while the service is stopped (systemctl stop zenithd): it is refused as long as another program
+has the folder. What was there before is set aside beside it. A copy for another robot is the file itself: cp, scp.)";
 
 // Reads without changing anything.
 DecodedMap read_map(const fs::path& file) {
@@ -180,6 +180,8 @@ int import_into(const std::string& path, const std::string& folder) {
   auto map = find_map(path);
   if (!map.ok()) return fail(map.error());
   storage::DiskFolder disk(folder);
+  const storage::LockTry tried = disk.lock(storage::this_program(""));
+  if (!tried.ours()) return fail({tried.why});
   storage::MapStore store(disk);
   const storage::LoadedMap before = store.load();
   warn(before.messages);

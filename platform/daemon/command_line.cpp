@@ -1,5 +1,6 @@
 // The program around run_daemon(): arguments, and what is answered without running.
 
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -8,6 +9,7 @@
 
 #include "platform/daemon/config_text.h"
 #include "platform/daemon/daemon.h"
+#include "platform/daemon/map_keeper.h"
 #include "platform/daemon/memory_report.h"
 #include "platform/daemon/version.h"
 #include "platform/link/fleet_key.h"
@@ -39,7 +41,7 @@ camera and CAN bus.
 
 Signals: SIGHUP reads the file again and takes over what may change while running, and the fleet's
 key; a file with a mistake changes nothing and the log says what is wrong. SIGTERM and SIGINT end
-the program within a second.
+the program as soon as the map is on the disk, mostly within a second.
 
 It tells how it is on standard error (journald's levels when started by systemd), on LEDs, and on
 a local socket, a line of JSON each:
@@ -124,6 +126,30 @@ bool print_fleet_key(const RadioConfig& radio) {
   return true;
 }
 
+// Where the map would be kept, and what stands against it.
+void print_map_folder(const MapConfig& map) {
+  const std::string folder = map_folder(map.folder, state_folder());
+  if (map.folder.empty()) return (void)std::printf("map kept:  no: map.folder is empty\n");
+  if (folder.empty()) {
+    std::printf("map kept:  in %s of the service's state folder (STATE_DIRECTORY, not set here)\n",
+                map.folder.c_str());
+    return;
+  }
+  const storage::FolderFacts facts = storage::look_at_folder(folder);
+  const bool is_made = folder != map.folder && folder != state_folder();  // make_map_folder()
+  std::string text = folder;
+  if (!facts.exists) {
+    text += is_made ? ", to be made" : ": it is not there, so no map is kept: make it";
+  } else if (!facts.is_folder) {
+    text += ": it is no folder, so no map is kept: name another one";
+  } else {
+    text += ", of " + facts.owner + ", " + std::to_string(std::lround(facts.free_mb)) + " MB free";
+    if (!facts.writable) text += "; this user cannot write it";
+    if (facts.user) text += "; in use by " + storage::user_text(*facts.user);
+  }
+  std::printf("map kept:  %s\n", text.c_str());
+}
+
 int check(const DaemonConfig& config, MakeDevices make_devices) {
   const auto devices = make_devices(config);
   if (!devices) {
@@ -140,6 +166,7 @@ int check(const DaemonConfig& config, MakeDevices make_devices) {
   print_limits(config.realtime);
   std::printf("telemetry: %s\n",
               config.telemetry.enabled ? runtime_path(config.telemetry.socket).c_str() : "none");
+  print_map_folder(config.map);
   if (!print_fleet_key(config.radio)) return 2;
   std::printf("memory of the algorithm, all of it taken at the start:\n%s",
               memory_text(daemon_memory(config)).c_str());
@@ -191,6 +218,7 @@ int run(int argc, char** argv, MakeDevices make_devices) {
 }  // namespace
 
 int daemon_main(int argc, char** argv, MakeDevices make_devices) {
+  pin_heap();
   try {
     return run(argc, argv, make_devices);
   } catch (const std::exception& error) {

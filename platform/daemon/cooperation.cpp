@@ -68,6 +68,13 @@ void Cooperation::send_own() {
   }
 }
 
+void Cooperation::keep_last() {
+  LandmarkRecord record;
+  while (exchange_.own.pop(record)) {
+    if (keeper_ != nullptr) keeper_->note(record);
+  }
+}
+
 CooperationCounters Cooperation::counters() const {
   return {sent_.load(kRelaxed), unheard_.load(kRelaxed), received_.load(kRelaxed)};
 }

@@ -37,6 +37,8 @@ class Cooperation {
   void run(const std::atomic<bool>& stop);
   // Moves what is there, both ways; does not wait.
   void turn_once(Time now);
+  // After run(), by one thread: what perception handed over last goes into the kept map alone.
+  void keep_last();
 
   bool has_link() const { return link_ != nullptr; }
 

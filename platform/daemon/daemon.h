@@ -4,8 +4,11 @@
 //   perception    camera, CAN bus, Slam::step()       SCHED_FIFO when permitted; perception.h
 //   cooperation   the peers                           cooperation.h
 //   keeper        opens devices, again and again      device_keeper.h
+//   map           writes checkpoints                  map_keeper.h
 //   tap           what a recorder gets                tap/tap_server.h
 //   main          signals, log, lights, telemetry     housekeeping.h
+//
+// How they start and end: running_daemon.h.
 //
 // All memory of the perception thread is taken, and the service manager told READY, before its
 // first frame; that a device is missing does not hold READY back.

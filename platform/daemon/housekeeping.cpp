@@ -110,11 +110,13 @@ void Housekeeping::start(Time now) {
 void Housekeeping::tick(Time now) {
   perception_.read(report_);
   cooperation_.read(link_);
+  // After the report: what this says of the stored map holds for all that the report says.
+  if (map_keeper_ != nullptr) map_keeper_->read(stored_);
+  keep_what_counts(report_, stored_);
   log_events();
   note_lately(now);
   const RobotLight before = health_.light;
   health_ = judge_health(report_, lately_, started_, now);
-  if (map_keeper_ != nullptr) map_keeper_->read(stored_);
   if (stored_.failing && health_.reason.empty() && report_.has_pose) {
     health_ = {RobotLight::kDegraded, kMapNotKept};
   }
@@ -177,7 +179,10 @@ void Housekeeping::log_event(const PerceptionEvent& event) const {
 
 void Housekeeping::log_events() {
   PerceptionEvent event;
-  while (perception_.next_event(event)) log_event(event);
+  while (perception_.next_event(event)) {
+    if (event.peer == kPastSlot && stored_.left) continue;  // of a map that was abandoned
+    log_event(event);
+  }
 }
 
 void Housekeeping::note_lately(Time now) {

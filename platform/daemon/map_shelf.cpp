@@ -61,10 +61,11 @@ MapShelf::MapShelf(storage::Folder& folder, const storage::MapHead& head) : head
   }
 }
 
-std::vector<PastMap> MapShelf::load() {
+std::vector<PastMap> MapShelf::load(bool ours) {
+  using Damaged = storage::MapStore::Damaged;
   for (Place& place : places_) {
     const Time start = monotonic_now();
-    storage::LoadedMap loaded = place.store.load();
+    storage::LoadedMap loaded = place.store.load(ours ? Damaged::kSetAside : Damaged::kLeave);
     log_lines(LogLevel::kWarning, "stored map", loaded.messages);
     if (!loaded.map) continue;
     log_loaded(place, loaded, (monotonic_now() - start).seconds() * 1e3);

@@ -39,8 +39,8 @@ class MapShelf {
   // `folder` must outlive it. `head` is what new maps get; its `map` is this run's own number.
   MapShelf(storage::Folder& folder, const storage::MapHead& head);
 
-  // Once, before all others; logs what was found.
-  std::vector<PastMap> load();
+  // Once, before all others; logs what was found. `ours`: what is damaged may be set aside.
+  std::vector<PastMap> load(bool ours);
 
   // In which maps the robot found itself: a bit for each place. `peers`: alignments of all slots.
   unsigned found(std::span<const PeerReport> peers) const;

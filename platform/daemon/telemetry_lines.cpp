@@ -141,6 +141,7 @@ void write_stored_map(JsonLine& line, const MapStatus& status, Time now) {
       .count("past_landmarks", status.past)
       .count("sessions", status.sessions)
       .flag("found", status.found)
+      .flag("left", status.left)
       .count("written", status.written)
       .count("failed", status.failed)
       .count("bytes", status.bytes)

@@ -104,6 +104,13 @@ Status ServiceNotify::stopping() {
   return send("STOPPING=1");
 }
 
+Status ServiceNotify::extend_timeout(Duration time) {
+  std::array<char, 64> text;
+  const int length = std::snprintf(text.data(), text.size(), "EXTEND_TIMEOUT_USEC=%lld",
+                                   static_cast<long long>(time.ns / 1000));
+  return send({text.data(), static_cast<std::size_t>(length)});
+}
+
 Status ServiceNotify::watchdog() {
   return send("WATCHDOG=1");
 }

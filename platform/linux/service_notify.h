@@ -26,6 +26,9 @@ class ServiceNotify {
   // Before a reload; ready() after it. `now` on CLOCK_MONOTONIC.
   Status reloading(Time now);
   Status stopping();
+  // Starting or stopping takes so much longer from now on, whatever the unit's time-out is. Again
+  // before that is over.
+  Status extend_timeout(Duration time);
   // One line that `systemctl status` shows. Cut after 200 bytes; line ends become spaces.
   Status status(std::string_view text);
   // Alive. Call when the loop made progress, at least twice in each watchdog interval.

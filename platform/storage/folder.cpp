@@ -15,7 +15,13 @@ namespace {
 
 constexpr int kMode = 0640;
 
-std::string advice(int error) {
+Error error_of(const std::string& what, const std::string& path, int error) {
+  return Error{what + " " + path + ": " + errno_text(error) + folder_advice(error)};
+}
+
+}  // namespace
+
+std::string folder_advice(int error) {
   switch (error) {
     case ENOSPC:
     case EDQUOT:
@@ -30,11 +36,11 @@ std::string advice(int error) {
   }
 }
 
-Error error_of(const std::string& what, const std::string& path, int error) {
-  return Error{what + " " + path + ": " + errno_text(error) + advice(error)};
+void give_to_owner_of(const std::string& folder, int file) {
+  struct stat info = {};
+  if (::geteuid() != 0 || ::stat(folder.c_str(), &info) != 0) return;
+  (void)!::fchown(file, info.st_uid, info.st_gid);
 }
-
-}  // namespace
 
 bool DiskFolder::exists(const std::string& name) {
   struct stat info = {};
@@ -64,9 +70,11 @@ Result<std::vector<std::uint8_t>> DiskFolder::read(const std::string& name, std:
 
 Status DiskFolder::create(const std::string& name) {
   open_ = path_of(name);
-  file_ =
-      UniqueFd(::open(open_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, kMode));
+  // Never what is there already, which may be a link or have another name elsewhere.
+  (void)::unlink(open_.c_str());
+  file_.reset(::open(open_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, kMode));
   if (!file_.is_open()) return error_of("cannot write", open_, errno);
+  give_to_owner_of(path_, file_.get());
   return {};
 }
 

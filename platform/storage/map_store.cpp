@@ -11,7 +11,7 @@ constexpr int kMostAside = 100;
 
 }  // namespace
 
-LoadedMap MapStore::load() {
+LoadedMap MapStore::load(Damaged damaged) {
   LoadedMap loaded;
   for (std::size_t i = 0; i < kGenerations; ++i) {
     const std::string name = file(i);
@@ -25,6 +25,10 @@ LoadedMap MapStore::load() {
     } else {
       decoded.fault = MapFault::kDamaged;
       loaded.messages.push_back(bytes.error().message);
+    }
+    if (decoded.fault != MapFault::kNone && damaged == Damaged::kLeave) {
+      unreadable_[i] = decoded.fault;
+      continue;
     }
     if (decoded.fault != MapFault::kNone) {
       std::string to;

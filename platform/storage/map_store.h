@@ -40,8 +40,12 @@ class MapStore {
   explicit MapStore(Folder& folder, std::string name = kMainMap)
       : folder_(folder), name_(std::move(name)) {}
 
+  enum class Damaged {
+    kSetAside,  // at once
+    kLeave,     // in its place until save() needs it: the folder is not this program's to change
+  };
   // To be called once, before save().
-  LoadedMap load();
+  LoadedMap load(Damaged damaged = Damaged::kSetAside);
   // Writes one checkpoint; `map.head.checkpoint` is set to the next one. After an error the newest
   // generation that was reported as written is still there, and the next save() leaves it alone.
   Status save(StoredMap& map);

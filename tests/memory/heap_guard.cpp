@@ -2,13 +2,16 @@
 
 #include "tests/memory/heap_guard.h"
 
+#include <sys/syscall.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cerrno>
 #include <cstddef>
 #include <cstdlib>
 #include <cstring>
 #include <initializer_list>
+#include <new>
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define ZENITH_HEAP_IS_TAKEN 1
@@ -22,6 +25,7 @@ namespace {
 __thread bool t_guarded = false;
 __thread std::uint64_t t_calls = 0;
 __thread const char* t_forbidden_in = nullptr;
+std::atomic<int> g_new_fails_in = 0;
 
 }  // namespace
 
@@ -39,6 +43,10 @@ std::uint64_t HeapGuard::calls() const {
 }
 bool HeapGuard::works() {
   return ZENITH_HEAP_IS_TAKEN == 0;
+}
+
+void fail_next_new(int thread) {
+  g_new_fails_in.store(thread);
 }
 
 NoAllocation::NoAllocation(const char* in) {
@@ -68,6 +76,23 @@ void use(const char* call) {
 }
 
 }  // namespace
+
+void* operator new(std::size_t bytes) {
+  int fails_in = g_new_fails_in.load(std::memory_order_relaxed);
+  if (fails_in != 0 && fails_in == static_cast<int>(::syscall(SYS_gettid)) &&
+      g_new_fails_in.compare_exchange_strong(fails_in, 0)) {
+    throw std::bad_alloc();
+  }
+  void* memory = std::malloc(bytes);
+  if (memory == nullptr) throw std::bad_alloc();
+  return memory;
+}
+void operator delete(void* memory) noexcept {
+  std::free(memory);
+}
+void operator delete(void* memory, std::size_t /*bytes*/) noexcept {
+  std::free(memory);
+}
 
 // glibc's own names of what is replaced.
 extern "C" {

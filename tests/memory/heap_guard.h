@@ -20,6 +20,9 @@ class HeapGuard {
   static bool works();
 };
 
+// The next `new` of this thread (gettid()) throws std::bad_alloc, once. Not with sanitizers.
+void fail_next_new(int thread);
+
 // As long as it lives, any use of the heap by the thread that made it ends the program, and says
 // which call it was and in what.
 class NoAllocation {

@@ -44,6 +44,12 @@ void FaultyFolder::power_on() {
   }
 }
 
+LockTry FaultyFolder::lock(const FolderUser& /*self*/) {
+  if (user_) return {LockTry::State::kOthers, "disk is in use by " + user_text(*user_)};
+  if (read_only_) return {LockTry::State::kUnknown, "cannot lock disk/lock: read-only (EROFS)"};
+  return {LockTry::State::kOurs, ""};
+}
+
 void FaultyFolder::put(const std::string& name, std::vector<std::uint8_t> bytes) {
   files_[next_] = {bytes, bytes, true};
   names_[name] = next_++;

@@ -4,6 +4,7 @@
 // point and lost behind it; data that were not synced are lost, cut short, zeros or noise.
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,7 +31,11 @@ class FaultyFolder final : public Folder {
   void put(const std::string& name, std::vector<std::uint8_t> bytes);
   std::vector<std::string> names() const;
 
+  // Another program has the folder; nullopt: none has.
+  void set_user(std::optional<FolderUser> user) { user_ = std::move(user); }
+
   std::string path_of(const std::string& name) const override { return "disk/" + name; }
+  LockTry lock(const FolderUser& self) override;
   bool exists(const std::string& name) override { return names_.count(name) != 0; }
   Result<std::vector<std::uint8_t>> read(const std::string& name, std::size_t most) override;
   Status create(const std::string& name) override;
@@ -58,6 +63,7 @@ class FaultyFolder final : public Folder {
   bool full_ = false;
   bool read_only_ = false;
   bool folder_sync_fails_ = false;
+  std::optional<FolderUser> user_;
   std::map<int, File> files_;
   int next_ = 0;
   int open_ = -1;

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "platform/link/fleet_key.h"
+#include "platform/storage/folder_lock.h"
 #include "tests/support/figure.h"
 #include "tests/support/line_reader.h"
 #include "tests/support/patience.h"
@@ -245,6 +246,19 @@ TEST_F(DaemonTest, ChecksAFileAndSaysWhatItWouldDo) {
   EXPECT_EQ(run({ZENITHD_SIM, "--config", file_, "--check"}, said), 0);
   EXPECT_THAT(said, AllOf(HasSubstr("simulated robot r1 in the world corridor-rooms"),
                           HasSubstr("200 particles"), HasSubstr(socket_)));
+  // The folder of the map: the configured one, and who has it.
+  const std::string maps = (folder_.path() / "maps").string();
+  configure("[map]\nfolder = \"" + maps + "\"\n");
+  EXPECT_EQ(run({ZENITHD_SIM, "--config", file_, "--check"}, said), 0);
+  EXPECT_THAT(said, HasSubstr("map kept:  " + maps + ": it is not there"));
+  fs::create_directory(maps);
+  {
+    storage::FolderLock lock;
+    ASSERT_TRUE(lock.take(maps, {7, "zenithd", "bert"}).ours());
+    EXPECT_EQ(run({ZENITHD_SIM, "--config", file_, "--check"}, said), 0);
+    EXPECT_THAT(said, AllOf(HasSubstr("map kept:  " + maps + ", of "), HasSubstr(" MB free"),
+                            HasSubstr("in use by zenithd (pid 7, robot bert)")));
+  }
   EXPECT_EQ(run({ZENITHD, "--config", file_, "--check"}, said), 2);
   EXPECT_THAT(said, HasSubstr("zenithd-sim"));
   configure("[simulation]\nrobot = \"r9\"\n");
@@ -295,6 +309,91 @@ TEST_F(DaemonTest, ReadsTheFleetKeyAgain) {
   EXPECT_TRUE(logged("fleet key read again: " + second));
   daemon.send(SIGTERM);
   EXPECT_EQ(daemon.wait(kLimit_s), 0) << read_text(errors_);
+}
+
+// What fixes memory and time of the running daemon.
+TEST_F(DaemonTest, ItsHeapAndItsRealtimeAreLimited) {
+  NotifySocket manager(notify_);
+  write_text(file_,
+             "[camera]\ndevice = \"/dev/no-camera\"\n[odometry]\ncan_interface = "
+             "\"nocan7\"\n[telemetry]\nsocket = \"" +
+                 socket_ + "\"\n[record]\nenabled = false\n");
+  Process real({ZENITHD, "--config", file_}, output_, errors_, {{"NOTIFY_SOCKET", notify_}});
+  ASSERT_TRUE(manager.heard("READY=1", kLimit_s)) << read_text(errors_);
+  const std::string process = "/proc/" + std::to_string(real.pid());
+  EXPECT_THAT(read_text(process + "/limits"),
+              ContainsRegex("Max realtime timeout +3000000 +6000000 +us"));
+  // One heap: threads have no arenas of their own, whose address space glibc reserves at once.
+  std::istringstream maps(read_text(process + "/maps"));
+  for (std::string line; std::getline(maps, line);) {
+    unsigned long long begin = 0;
+    unsigned long long end = 0;
+    char rights[8] = "";
+    ASSERT_EQ(std::sscanf(line.c_str(), "%llx-%llx %7s", &begin, &end, rights), 3) << line;
+    const bool reserved = std::string(rights) == "---p" && line.find('/') == std::string::npos;
+    EXPECT_FALSE(reserved && end - begin > 16u * 1024 * 1024) << line;
+  }
+  real.send(SIGTERM);
+  EXPECT_EQ(real.wait(kLimit_s), 0) << read_text(errors_);
+}
+
+// One program writes a folder of maps: a second daemon drives without, and says so, until the first
+// one has gone; an import is refused.
+TEST_F(DaemonTest, AFolderOfMapsHasOneUser) {
+  const fs::path maps = folder_.path() / "maps";
+  fs::create_directory(maps);
+  const std::string common =
+      "[record]\nenabled = false\n[map]\ninterval_s = 1\nfolder = \"" + maps.string() + "\"\n";
+  const std::string second_file = (folder_.path() / "second.toml").string();
+  const std::string second_socket = (folder_.path() / "second.sock").string();
+  configure(common);
+  std::string text = read_text(file_);
+  text.replace(text.find(socket_), socket_.size(), second_socket);
+  text.replace(text.find("ada"), 3, "bob");
+  write_text(second_file, text);
+
+  Process first({ZENITHD_SIM, "--config", file_}, output_, errors_);
+  ASSERT_TRUE(wait_until(kLimit_s, [&] { return fs::exists(maps / "map-0.zenmap"); }))
+      << read_text(errors_);
+  const std::string second_log = (folder_.path() / "second.log").string();
+  Process second({ZENITHD_SIM, "--config", second_file}, output_ + "2", second_log);
+  const std::string who = "zenithd-sim (pid " + std::to_string(first.pid()) + ", robot ada)";
+  EXPECT_TRUE(wait_until(kLimit_s, [&] {
+    return read_text(second_log)
+               .find("the map cannot be kept: " + maps.string() + " is in use by " + who) !=
+           std::string::npos;
+  })) << read_text(second_log);
+  std::unique_ptr<LineReader> reader;
+  ASSERT_TRUE(wait_until(kLimit_s, [&] {
+    reader = std::make_unique<LineReader>(second_socket);
+    return reader->connected();
+  }));
+  EXPECT_THAT(next(*reader, "stored_map")["error"].get<std::string>(), HasSubstr(who));
+  nlohmann::json health = next(*reader, "health");
+  for (int i = 0; i < 60 && health["state"] != "degraded"; ++i) health = next(*reader, "health");
+  EXPECT_EQ(health["reason"], "the map cannot be kept");
+  EXPECT_FALSE(fs::exists(maps / "session-1-0.zenmap"));
+
+  const fs::path copy = folder_.path() / "copy.zenmap";
+  fs::copy_file(maps / "map-0.zenmap", copy);
+  std::string said;
+  const auto import = [&] {
+    Process command({ZENITH_TOOL, "map", "import", copy, maps}, output_ + "3", errors_ + "3");
+    const int code = command.wait(kLimit_s);
+    said = read_text(output_ + "3") + read_text(errors_ + "3");
+    return code;
+  };
+  EXPECT_NE(import(), 0);
+  EXPECT_THAT(said, HasSubstr(who));
+
+  first.send(SIGTERM);
+  EXPECT_EQ(first.wait(kLimit_s), 0) << read_text(errors_);
+  EXPECT_TRUE(wait_until(kLimit_s, [&] { return fs::exists(maps / "session-1-0.zenmap"); }))
+      << read_text(second_log);
+  second.send(SIGTERM);
+  EXPECT_EQ(second.wait(kLimit_s), 0) << read_text(second_log);
+  EXPECT_EQ(import(), 0) << said;
+  EXPECT_TRUE(fs::exists(maps / "map-0.zenmap.left"));
 }
 
 TEST_F(DaemonTest, ExplainsItself) {

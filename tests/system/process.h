@@ -93,6 +93,7 @@ class Process {
   Process(const Process&) = delete;
   Process& operator=(const Process&) = delete;
 
+  pid_t pid() const { return pid_; }
   void send(int signal) const { ::kill(pid_, signal); }
   // To what it has started, too.
   void send_group(int signal) const { ::kill(-pid_, signal); }

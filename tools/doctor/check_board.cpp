@@ -102,7 +102,33 @@ Finding check_power(const MachineFiles& files) {
   return skip(what, "this board does not measure it");
 }
 
-// --- disk ----------------------------------------------------------------------------------------
+// --- the map's folder and its disk ---------------------------------------------------------------
+
+Finding check_map_folder(const std::string& folder, const storage::FolderFacts& facts,
+                         const std::string& robot, int daemon_pid) {
+  const std::string what = "map folder";
+  if (!facts.exists) {
+    return fail(what, folder + " is not there",
+                "the map is not kept: make it, or start the service, whose unit makes its own",
+                "sudo install -d -o zenith -g zenith -m 750 " + folder);
+  }
+  if (!facts.is_folder) return fail(what, folder + " is no folder", "name another map.folder");
+  const std::string found = folder + ", of " + facts.owner;
+  if (facts.user && (facts.user->robot != robot || facts.user->program == "zenith")) {
+    return fail(what, found + ", in use by " + storage::user_text(*facts.user),
+                "one program writes a folder of maps: stop that one, or name another map.folder");
+  }
+  if (facts.user) return ok(what, found + ", in use by " + storage::user_text(*facts.user));
+  if (daemon_pid != 0 && facts.lock_is_known) {
+    return fail(what, found + ", and the running zenithd does not have it",
+                "it says why: journalctl -u zenithd ZENITH_EVENT=map-not-kept");
+  }
+  if (!facts.writable) {
+    return warn(what, found + ", cannot be written by this user", "the service's user must own it",
+                "sudo chown -R zenith:zenith " + folder);
+  }
+  return ok(what, found + ", not in use");
+}
 
 double free_disk_mb(const std::string& folder) {
   struct statvfs disk = {};

@@ -7,6 +7,7 @@
 
 #include "platform/daemon/config.h"
 #include "platform/linux/realtime.h"
+#include "platform/storage/folder_lock.h"
 #include "tools/doctor/finding.h"
 #include "tools/doctor/machine_files.h"
 
@@ -42,6 +43,10 @@ Finding check_monotonic(const ClockFacts& facts);
 
 Finding check_temperature(const MachineFiles& files);
 Finding check_power(const MachineFiles& files);
+// The folder of the stored map, as the configuration names it; `robot`: whose map it should be,
+// `daemon_pid`: of the running daemon that was asked, 0: none.
+Finding check_map_folder(const std::string& folder, const storage::FolderFacts& facts,
+                         const std::string& robot, int daemon_pid);
 Finding check_disk(const std::string& folder, double free_mb);
 // Free for this user, MB; negative when the folder cannot be asked.
 double free_disk_mb(const std::string& folder);

@@ -9,6 +9,7 @@
 #include "drivers/odometry/socket_can.h"
 #include "drivers/radio/interfaces.h"
 #include "platform/daemon/devices.h"
+#include "platform/daemon/map_keeper.h"
 #include "tools/doctor/check_camera.h"
 #include "tools/doctor/check_can.h"
 #include "tools/doctor/check_config.h"
@@ -125,7 +126,14 @@ void check_computer(const DaemonConfig& config, const MachineFiles& files,
   telling.add(check_monotonic(clock));
   telling.add(check_temperature(files));
   telling.add(check_power(files));
-  telling.add(check_disk(state_folder, free_disk_mb(state_folder)));
+  const std::string maps = map_folder(config.map.folder, state_folder);
+  if (maps.empty()) {
+    telling.add(skip("map folder", "map.folder is empty: no map is kept"));
+  } else {
+    telling.add(check_map_folder(maps, storage::look_at_folder(maps), config.name, daemon.pid));
+  }
+  const std::string& disk = maps.empty() ? state_folder : maps;
+  telling.add(check_disk(disk, free_disk_mb(disk)));
 }
 
 }  // namespace

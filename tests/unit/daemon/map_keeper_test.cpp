@@ -4,9 +4,11 @@
 
 #include <gtest/gtest.h>
 
+#include "platform/daemon/telemetry_lines.h"
 #include "tests/support/faulty_folder.h"
 #include "tests/support/seeds.h"
 #include "tests/support/stored_maps.h"
+#include "tests/unit/tools/temporary_folder.h"
 
 namespace zenith {
 namespace {
@@ -206,8 +208,102 @@ TEST_F(MapKeeperTest, AnotherPlaceBeginsAnewAndLeavesTheStoredMap) {
   for (const LandmarkRecord& r : many.landmarks) keeper.note(r);
   keeper.turn_once(at(0), {});
   EXPECT_TRUE(folder_.exists("map-0.zenmap.left"));
+  EXPECT_TRUE(status(keeper).left);
+  EXPECT_TRUE(keeper.left_main());
   EXPECT_EQ(stored().landmarks.size(), MapKeeper::kNewMap);
   EXPECT_NE(stored().head.map, past_.head.map);
+}
+
+// Perception finds the robot in the old map at the very moment at which that is abandoned: nothing
+// is told of it, and the new map does not begin in the old one's frame.
+TEST_F(MapKeeperTest, NothingIsToldInTheFrameOfAnAbandonedMap) {
+  store_a_map(30);
+  MapKeeper keeper(folder_, own_.head, kInterval);
+  keeper.load();
+  const auto many = storage::random_map(MapKeeper::kNewMap, random_);
+  for (const LandmarkRecord& r : many.landmarks) keeper.note(r);
+  folder_.set_full(true);  // the new map is not on the disk yet
+  keeper.turn_once(at(0), {});
+  ASSERT_TRUE(status(keeper).left) << "said all the same";
+  PerceptionReport report;
+  report.peers.push_back({});
+  PeerReport past;
+  past.peer = kPastSlot;
+  past.state = AlignmentState::kMerged;
+  past.T_own_peer = Pose2{100.0, -20.0, 0.7};
+  report.peers.push_back(past);
+  ASSERT_NE(past_self(report), nullptr);
+  keep_what_counts(report, status(keeper));
+  EXPECT_EQ(past_self(report), nullptr);
+  EXPECT_EQ(report.peers.size(), 1);
+  JsonLine pose;
+  write_pose(pose, report);
+  EXPECT_EQ(std::string(pose.finish()).find("map_pose"), std::string::npos);
+  folder_.set_full(false);
+  keeper.turn_once(at(6), report.peers.span());
+  EXPECT_FALSE(status(keeper).found);
+  EXPECT_EQ(stored().landmarks.size(), MapKeeper::kNewMap);
+}
+
+// Another program has the folder: nothing of it is read or written, and that is told. Once it is
+// free this run's map goes beside what lies there, which the robot did not look for.
+TEST_F(MapKeeperTest, AFolderOfAnotherProgramIsLeftAloneUntilItIsFree) {
+  store_a_map(30);
+  folder_.set_user(storage::FolderUser{812, "zenithd", "bert"});
+  const int changes = folder_.changes();
+  MapKeeper keeper(folder_, own_.head, kInterval);
+  EXPECT_TRUE(keeper.load().empty());
+  EXPECT_TRUE(status(keeper).failing) << "before there is anything to write";
+  EXPECT_NE(status(keeper).error.view().find("zenithd (pid 812, robot bert)"),
+            std::string_view::npos);
+  const auto many = storage::random_map(MapKeeper::kNewMap, random_);
+  for (const LandmarkRecord& r : many.landmarks) keeper.note(r);
+  keeper.turn_once(at(0), {});
+  keeper.turn_once(at(100), {});
+  EXPECT_EQ(status(keeper).written, 0u);
+  EXPECT_EQ(folder_.changes(), changes);
+
+  folder_.set_user(std::nullopt);
+  keeper.turn_once(at(102), {});
+  EXPECT_FALSE(status(keeper).failing);
+  EXPECT_EQ(status(keeper).place.view(), "session-1");
+  EXPECT_EQ(stored().landmarks.size(), 30u) << "not left as another place's";
+  EXPECT_EQ(stored("session-1").landmarks.size(), MapKeeper::kNewMap);
+}
+
+TEST_F(MapKeeperTest, AFolderThatCannotBeChangedIsReadAndToldOf) {
+  store_a_map(30);
+  folder_.put("session-1-0.zenmap", {1, 2, 3});
+  folder_.set_read_only(true);
+  MapKeeper keeper(folder_, own_.head, kInterval);
+  EXPECT_EQ(keeper.load().size(), 1u) << "the robot may find itself in it";
+  EXPECT_TRUE(status(keeper).failing);
+  folder_.set_read_only(false);
+  keeper.note(own_.landmarks[0]);
+  keeper.turn_once(at(0), {});
+  EXPECT_FALSE(status(keeper).failing);
+  EXPECT_TRUE(folder_.exists("session-1-0.zenmap.damaged")) << "not before it was this program's";
+  EXPECT_EQ(stored("session-1").landmarks.size(), 1u);
+}
+
+TEST(MapFolder, LiesInTheStateFolderAndIsMadeThere) {
+  EXPECT_EQ(map_folder("", "/state"), "");
+  EXPECT_EQ(map_folder("/maps", ""), "/maps");
+  EXPECT_EQ(map_folder("maps", ""), "") << "there is no state folder";
+  EXPECT_EQ(map_folder(".", "/state"), "/state");
+  const tools::TemporaryFolder state;
+  const std::string here = state.path().string();
+  ASSERT_TRUE(make_map_folder("left/maps", here).ok());
+  ASSERT_TRUE(make_map_folder("left/maps", here).ok()) << "again";
+  ASSERT_TRUE(make_map_folder(".", here).ok());
+  storage::DiskFolder folder(map_folder("left/maps", here));
+  EXPECT_TRUE(folder.lock(storage::this_program("ada")).ours());
+  const auto permissions = std::filesystem::status(state.path() / "left").permissions();
+  EXPECT_EQ(permissions & std::filesystem::perms::others_all, std::filesystem::perms::none);
+  tools::write_text(state.path() / "file", "");
+  const Status refused = make_map_folder("file/maps", here);
+  ASSERT_FALSE(refused.ok());
+  EXPECT_NE(refused.error().message.find(here + "/file/maps"), std::string::npos);
 }
 
 TEST_F(MapKeeperTest, AFullDiskIsToldOfUntilItIsNot) {

@@ -90,7 +90,7 @@ class PowerCuts : public testing::Test {
 void PowerCuts::check_disk(storage::FaultyFolder& disk, const char* when) {
   MapShelf shelf(disk, {});
   std::set<Key> found;
-  for (const PastMap& past : shelf.load()) {
+  for (const PastMap& past : shelf.load(true)) {
     T_world_map(past.landmarks);
     for (const LandmarkRecord& r : past.landmarks) found.insert(key_of(r));
   }

@@ -88,7 +88,7 @@ TEST_F(JournalLog, AnEventHasItsFields) {
   say(fields, "merged with robot %s", "bert\nPRIORITY=0");
   EXPECT_THAT(
       journal.next(),
-      UnorderedElementsAre(Pair("MESSAGE", "merged with robot bert PRIORITY=0"),
+      UnorderedElementsAre(Pair("MESSAGE", "merged with robot bert\\x0aPRIORITY=0"),
                            Pair("PRIORITY", "4"), Pair("SYSLOG_IDENTIFIER", testing::_),
                            Pair("ZENITH_ROBOT", "anna"), Pair("ZENITH_EVENT", "merged"),
                            Pair("ZENITH_PEER", "bert\nPRIORITY=0"), Pair("ZENITH_X_M", "1.25")));

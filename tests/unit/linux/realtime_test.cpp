@@ -1,6 +1,9 @@
 #include "platform/linux/realtime.h"
 
+#include <sched.h>
 #include <sys/mman.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <cstdint>
@@ -11,6 +14,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "platform/linux/thread.h"
 #include "tests/unit/linux/without_rights.h"
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -75,6 +79,60 @@ TEST(Realtime, LatencyHolderReportsAMissingDevice) {
   EXPECT_FALSE(latency.held());
   EXPECT_THAT(report, ElementsAre(AllOf(HasSubstr("/nonexistent/latency"), HasSubstr("ENOENT"),
                                         HasSubstr("udev"))));
+}
+
+// Exits with 0 when a large block that was freed is there again without a page fault.
+void use_a_block_twice() {
+  constexpr std::size_t kBytes = std::size_t{8} << 20U;
+  const auto use = [] {
+    auto* block = static_cast<volatile char*>(std::malloc(kBytes));
+    for (std::size_t i = 0; i < kBytes; i += 4096) block[i] = 1;
+    std::free(const_cast<char*>(block));
+  };
+  pin_heap();
+  use();
+  const std::uint64_t before = thread_page_faults().minor;
+  use();
+  std::fprintf(stderr, "%llu faults\n",
+               static_cast<unsigned long long>(thread_page_faults().minor - before));
+  std::exit(thread_page_faults().minor - before < 16 ? 0 : 1);
+}
+
+TEST(RealtimeDeathTest, WhatIsFreedStaysInThePinnedHeap) {
+  if (ZENITH_TEST_SANITIZED) GTEST_SKIP() << "a sanitizer has the heap";
+  EXPECT_EXIT(use_a_block_twice(), ::testing::ExitedWithCode(0), "");
+}
+
+// Exits with 0 when the thread lost its priority, and 77 where there is none to lose.
+void run_away() {
+  Report report;
+  if (!limit_realtime(Duration{200'000'000}, report)) std::exit(2);
+  rlimit time = {};
+  getrlimit(RLIMIT_RTTIME, &time);
+  if (time.rlim_cur != 200'000 || time.rlim_max != 400'000) std::exit(3);
+  Thread thread;
+  int policy = -1;
+  const auto body = [&] {
+    while (!realtime_overrun()) {
+    }
+    policy = sched_getscheduler(0);
+  };
+  const ThreadOptions options = {.name = "runaway", .fifo_priority = 1};
+  const int granted = sched_get_priority_min(SCHED_FIFO);
+  const sched_param wanted = {.sched_priority = granted};
+  if (sched_setscheduler(0, SCHED_FIFO, &wanted) != 0) std::exit(77);
+  const sched_param none = {};
+  sched_setscheduler(0, SCHED_OTHER, &none);
+  if (!thread.start(options, body, report)) std::exit(4);
+  thread.join();
+  std::exit(policy == SCHED_OTHER ? 0 : 1);
+}
+
+TEST(RealtimeDeathTest, AThreadThatNeverWaitsLosesItsPriority) {
+  const auto ended = [](int status) {
+    return WIFEXITED(status) && (WEXITSTATUS(status) == 0 || WEXITSTATUS(status) == 77);
+  };
+  EXPECT_EXIT(run_away(), ended, "");
 }
 
 TEST(Realtime, TouchedPagesCountAsFaults) {

@@ -93,6 +93,8 @@ TEST_F(ServiceNotifyTest, SaysEverythingThroughAPath) {
   EXPECT_EQ(manager.next(), "RELOADING=1\nMONOTONIC_USEC=1234567");
   EXPECT_TRUE(notify.stopping().ok());
   EXPECT_EQ(manager.next(), "STOPPING=1");
+  EXPECT_TRUE(notify.extend_timeout(Duration{2'500'000'000}).ok());
+  EXPECT_EQ(manager.next(), "EXTEND_TIMEOUT_USEC=2500000");
   EXPECT_TRUE(notify.status("mapping,\n3 peers").ok());
   EXPECT_EQ(manager.next(), "STATUS=mapping, 3 peers");
   EXPECT_EQ(manager.next(), "");

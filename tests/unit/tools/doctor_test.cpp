@@ -22,6 +22,7 @@
 #include "tools/doctor/check_fleet.h"
 #include "tools/doctor/check_leds.h"
 #include "tools/doctor/check_machine.h"
+#include "tools/doctor/doctor.h"
 
 namespace zenith::tools {
 
@@ -213,6 +214,55 @@ TEST_F(DoctorTest, Disks) {
   EXPECT_THAT(check_disk("/x", 9000.0), Says(Verdict::kOk, "9000 MB free at /x"));
   EXPECT_EQ(check_disk("/x", free_disk_mb("/no/such/folder")).verdict, Verdict::kSkip);
   EXPECT_GE(free_disk_mb("/"), 0.0);
+}
+
+TEST_F(DoctorTest, TheFolderOfTheMap) {
+  storage::FolderFacts facts;
+  const auto check = [&](int pid) { return check_map_folder("/maps", facts, "ada", pid); };
+  EXPECT_THAT(check(0), Says(Verdict::kFail, "/maps is not there"));
+  facts.exists = true;
+  EXPECT_THAT(check(0), Says(Verdict::kFail, "/maps is no folder"));
+  facts = {true, true, false, "zenith", 900.0, std::nullopt, true};
+  EXPECT_THAT(check(0), Says(Verdict::kWarn, "of zenith, cannot be written by this user"));
+  facts.writable = true;
+  EXPECT_THAT(check(0), Says(Verdict::kOk, "not in use"));
+  EXPECT_THAT(check(812), Says(Verdict::kFail, "the running zenithd does not have it"));
+  facts.user = {812, "zenithd", "ada"};
+  EXPECT_THAT(check(812), Says(Verdict::kOk, "in use by zenithd (pid 812, robot ada)"));
+  facts.user = {813, "zenithd", "bert"};
+  EXPECT_THAT(check(812), Says(Verdict::kFail, "in use by zenithd (pid 813, robot bert)"));
+  facts.user = {814, "zenith", ""};
+  EXPECT_THAT(check(0), Says(Verdict::kFail, "in use by zenith (pid 814)"));
+  facts = {true, true, true, "zenith", 900.0, std::nullopt, false};
+  EXPECT_EQ(check(812).verdict, Verdict::kOk) << "this user cannot see who has it";
+}
+
+// Not the default one: with a file that names another folder that one is looked at.
+TEST_F(DoctorTest, LooksAtTheConfiguredFolder) {
+  const std::string maps = (folder_.path() / "maps").string();
+  const std::string file = (folder_.path() / "zenith.toml").string();
+  const auto found = [&](const std::string& configured) {
+    write_text(file,
+               "[robot]\nname = \"ada\"\n[camera]\ndriver = \"simulated\"\n[odometry]\n"
+               "driver = \"simulated\"\n[telemetry]\nenabled = false\n[map]\nfolder = \"" +
+                   configured + "\"\n");
+    DoctorPlan plan;
+    plan.config = file;
+    plan.state_folder = folder_.path().string();
+    std::string text;
+    for (const Finding& finding : run_doctor(plan, [](const Finding&) {})) {
+      if (finding.what == "map folder" || finding.what == "disk") text += finding.found + "\n";
+    }
+    return text;
+  };
+  EXPECT_THAT(found(maps), HasSubstr(maps + " is not there"));
+  std::filesystem::create_directory(maps);
+  EXPECT_THAT(found(maps), HasSubstr(" free at " + maps));
+  EXPECT_THAT(found("maps"), HasSubstr(maps + ", of ")) << "relative: in the state folder";
+  EXPECT_THAT(found(""), HasSubstr("no map is kept"));
+  storage::FolderLock lock;
+  ASSERT_TRUE(lock.take(maps, {7, "zenithd", "bert"}).ours());
+  EXPECT_THAT(found("maps"), HasSubstr("in use by zenithd (pid 7, robot bert)"));
 }
 
 TEST_F(DoctorTest, WhoHasADevice) {
