@@ -13,8 +13,10 @@
 #include "platform/daemon/memory_report.h"
 #include "platform/daemon/version.h"
 #include "platform/link/fleet_key.h"
+#include "platform/linux/clock.h"
 #include "platform/linux/cpu.h"
 #include "platform/linux/local_socket.h"
+#include "platform/linux/log.h"
 #include "platform/linux/realtime.h"
 #include "platform/linux/signals.h"
 #include "slam/kernels/isa_in_use.h"
@@ -222,6 +224,7 @@ int daemon_main(int argc, char** argv, MakeDevices make_devices) {
   try {
     return run(argc, argv, make_devices);
   } catch (const std::exception& error) {
+    process_log().drain(monotonic_now());  // what was said before it
     std::fprintf(stderr, "zenithd: error: %s\n", error.what());
     return 1;
   }

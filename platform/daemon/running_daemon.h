@@ -30,7 +30,7 @@ namespace zenith {
 class RunningDaemon {
  public:
   // Perception and cooperation, and everything at the end, end in some milliseconds.
-  static constexpr Duration kThreadLimit = {2'000'000'000};
+  static constexpr Duration kThreadLimit = {4'000'000'000};
   // A card that is worn out takes seconds for each of the few files of a checkpoint.
   static constexpr Duration kCheckpointLimit = {60'000'000'000};
 
