@@ -3,14 +3,16 @@
 //
 // The same layout code runs twice: over an Arena without a block it only counts the bytes
 // (memory_needed), over a real block it hands out aligned, value-initialised arrays. Running out is
-// a programmer's mistake, for the block's size came from the first run.
+// a programmer's mistake, for the block's size came from the first run; it ends the program before
+// anything is written beyond the block, in every build.
 
-#include <cassert>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <type_traits>
 
+#include "platform/base/ensure.h"
 #include "platform/base/memory_table.h"
 
 namespace zenith {
@@ -22,7 +24,10 @@ class Arena {
   Arena() = default;  // counts only
   // Counts, and tells `table` what for.
   explicit Arena(MemoryTable& table) : table_(&table) {}
-  explicit Arena(std::span<std::byte> block) : block_(block) {}
+  explicit Arena(std::span<std::byte> block) : block_(block) {
+    ensure(reinterpret_cast<std::uintptr_t>(block.data()) % kAlignment == 0,
+           "Arena: the block is not aligned to 64 bytes");
+  }
 
   // What the memory is for that is taken from now on: a literal.
   void part(const char* name) { part_ = name; }
@@ -40,7 +45,7 @@ class Arena {
     used_ += bytes;
     if (table_ != nullptr) table_->add(part_, bytes);
     if (counting()) return {};
-    assert(used_ <= block_.size());
+    ensure(used_ <= block_.size(), "Arena: the block is too small");
     T* start = reinterpret_cast<T*>(block_.data() + offset);
     std::uninitialized_value_construct_n(start, count);
     return {start, count};

@@ -1,10 +1,12 @@
 #pragma once
 // A vector with a fixed capacity and plain elements, stored in place. Full: push_back() rejects.
+// An index beyond the end ends the program, in every build (ensure.h).
 
 #include <array>
-#include <cassert>
 #include <cstddef>
 #include <span>
+
+#include "platform/base/ensure.h"
 
 namespace zenith {
 
@@ -20,11 +22,11 @@ class FixedVector {
   void clear() { size_ = 0; }
   // Order is not kept: the last element takes the place of the removed one.
   void swap_remove(std::size_t i) {
-    assert(i < size_);
+    ensure(i < size_, "FixedVector: no such element to remove");
     items_[i] = items_[--size_];
   }
   void shrink_to(std::size_t size) {
-    assert(size <= size_);
+    ensure(size <= size_, "FixedVector: cannot shrink to more");
     size_ = size;
   }
 
@@ -34,11 +36,11 @@ class FixedVector {
   static constexpr std::size_t capacity() { return Capacity; }
 
   T& operator[](std::size_t i) {
-    assert(i < size_);
+    ensure(i < size_, "FixedVector: index beyond the end");
     return items_[i];
   }
   const T& operator[](std::size_t i) const {
-    assert(i < size_);
+    ensure(i < size_, "FixedVector: index beyond the end");
     return items_[i];
   }
   T* begin() { return items_.data(); }

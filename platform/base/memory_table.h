@@ -24,8 +24,9 @@ class MemoryTable {
       part.bytes += bytes;
       return;
     }
-    [[maybe_unused]] const bool taken = parts_.push_back({name, bytes});
+    const bool taken = parts_.push_back({name, bytes});
     assert(taken);
+    if (!taken) parts_[parts_.size() - 1].bytes += bytes;  // the total stays right
   }
   void add(const MemoryTable& other) {
     for (const MemoryPart& part : other.parts()) add(part.name, part.bytes);

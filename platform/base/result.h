@@ -1,11 +1,12 @@
 #pragma once
 // Errors are values: what was expected, what was found, what to do. No exceptions.
 
-#include <cassert>
 #include <optional>
 #include <string>
 #include <utility>
 #include <variant>
+
+#include "platform/base/ensure.h"
 
 namespace zenith {
 
@@ -14,7 +15,8 @@ struct Error {
   std::string message;
 };
 
-// Either a T or an Error. Reading the wrong one is a programmer's mistake (assertion).
+// Either a T or an Error. Reading the wrong one is a programmer's mistake and ends the
+// program, in every build.
 template <typename T>
 class [[nodiscard]] Result {
  public:
@@ -25,11 +27,11 @@ class [[nodiscard]] Result {
   explicit operator bool() const { return ok(); }
 
   T& value() {
-    assert(ok());
+    ensure(ok(), "Result: read the value of an error");
     return *std::get_if<T>(&state_);
   }
   const T& value() const {
-    assert(ok());
+    ensure(ok(), "Result: read the value of an error");
     return *std::get_if<T>(&state_);
   }
   T& operator*() { return value(); }
@@ -38,7 +40,7 @@ class [[nodiscard]] Result {
   const T* operator->() const { return &value(); }
 
   const Error& error() const {
-    assert(!ok());
+    ensure(!ok(), "Result: read the error of a success");
     return *std::get_if<Error>(&state_);
   }
 
@@ -56,7 +58,7 @@ class [[nodiscard]] Result<void> {
   bool ok() const { return !error_.has_value(); }
   explicit operator bool() const { return ok(); }
   const Error& error() const {
-    assert(!ok());
+    ensure(!ok(), "Result: read the error of a success");
     return *error_;
   }
 

@@ -72,13 +72,12 @@ TEST(Arena, HandsOutAlignedZeroedArraysThatDoNotOverlap) {
   EXPECT_TRUE(std::all_of(tables.doubles.begin(), tables.doubles.end(), zero));
 }
 
-#ifndef NDEBUG
-TEST(ArenaDeathTest, RunningOutIsAProgrammersMistake) {
+TEST(ArenaDeathTest, RunningOutEndsTheProgramInEveryBuild) {
   Block block;
   Arena arena(block.bytes);
-  EXPECT_DEATH(arena.take<double>(129), "block_");
+  EXPECT_DEATH(arena.take<double>(129), "too small");
+  EXPECT_DEATH(Arena(std::span(block.bytes).subspan(8)), "not aligned");
 }
-#endif
 
 }  // namespace
 }  // namespace zenith
