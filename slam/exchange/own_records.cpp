@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 
+#include "platform/base/ensure.h"
 #include "slam/exchange/checksum.h"
 
 namespace zenith::exchange {
@@ -81,7 +82,8 @@ bool OwnRecords::forget_a_removal() {
 
 void OwnRecords::push(std::size_t ring, std::int32_t i) {
   Ring& r = rings_[ring];
-  assert(entry(i).queue < 0 && r.count < r.slots.size());
+  assert(entry(i).queue < 0);
+  ensure(r.count < r.slots.size(), "OwnRecords: a queue holds each record once");
   entry(i).queue = static_cast<std::int8_t>(ring);
   r.slots[(r.first + r.count++) % r.slots.size()] = i;
 }

@@ -1,7 +1,6 @@
 // The receiving side of the Synchroniser: what peers tell, and what is missing of it.
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 
 #include "slam/exchange/synchroniser_state.h"
@@ -49,10 +48,12 @@ bool jumps(const ForeignRecord& known, const LandmarkRecord& news) {
 Verdict Synchroniser::receive(Time now, int session, std::uint64_t counter, Bytes payload,
                               RecordSink& sink) {
   State& s = *state_;
-  assert(session >= 0 && session < kMaxSessions);
-  Session& from = s.sessions[static_cast<std::size_t>(session)];
-  assert(from.joined);
   ++s.counters.datagrams_received;
+  if (!s.is_joined(session)) {  // nobody's: not looked at
+    ++s.counters.quarantined;
+    return Verdict::kQuarantined;
+  }
+  Session& from = s.sessions[static_cast<std::size_t>(session)];
   if (s.quarantine.holds(now, from.sender)) {
     ++s.counters.quarantined;
     return Verdict::kQuarantined;
@@ -91,8 +92,7 @@ Verdict Synchroniser::State::take_state(Time now, int session, std::uint64_t cou
   Session& from = sessions[static_cast<std::size_t>(session)];
   if (from.state_heard && counter <= from.state_counter) return Verdict::kUsed;  // an older one
   StateNotice state;
-  [[maybe_unused]] const bool decoded = decode(body, state);
-  assert(decoded);
+  if (!decode(body, state)) return Verdict::kMalformed;  // well_formed() has read it once
 
   const bool same_map =
       from.slot >= 0 && slots[static_cast<std::size_t>(from.slot)].status.map == state.map;
@@ -288,8 +288,7 @@ Verdict Synchroniser::State::check_records(int slot, Bytes body, RecordSink& sin
 
 void Synchroniser::State::take_request(Time now, Session& from, Bytes body) {
   Request request;
-  [[maybe_unused]] const bool decoded = decode(body, request);
-  assert(decoded);
+  if (!decode(body, request)) return;
   if (request.robot != settings.robot || request.map != settings.map) return;
   ++counters.requests_received;
   if (from.wanted.empty()) from.serve_at = now + kGather;

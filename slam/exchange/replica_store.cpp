@@ -1,9 +1,9 @@
 #include "slam/exchange/replica_store.h"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 
+#include "platform/base/ensure.h"
 #include "slam/exchange/checksum.h"
 
 namespace zenith::exchange {
@@ -38,7 +38,7 @@ bool ReplicaStore::is_new(int slot, const LandmarkRecord& r) const {
 }
 
 std::int32_t ReplicaStore::enter(int slot, std::uint32_t id) {
-  assert(free_count_ > 0);
+  ensure(free_count_ > 0, "ReplicaStore: no record is free");  // room() was asked before
   const std::int32_t i = free_[--free_count_];
   Replica& owner = replica(slot);
   ForeignRecord& r = record(i);

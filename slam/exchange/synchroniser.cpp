@@ -1,9 +1,9 @@
 #include "slam/exchange/synchroniser.h"
 
 #include <algorithm>
-#include <cassert>
 #include <new>
 
+#include "platform/base/ensure.h"
 #include "slam/exchange/synchroniser_state.h"
 
 namespace zenith::exchange {
@@ -33,8 +33,8 @@ void Synchroniser::configure(const Settings& settings) {
 }
 
 void Synchroniser::State::start(const Settings& s) {
-  assert(s.slots >= 1 && s.slots <= kMaxReplicas);
   settings = s;
+  settings.slots = std::clamp(s.slots, 1, kMaxReplicas);
   random = Random(s.seed, s.robot);
   own.clear();
   own.set_rest(s.rest);
@@ -67,7 +67,7 @@ void Synchroniser::set_state(const Pose2& T_start_robot, Health health,
   s.alignments.clear();
   for (Slot& slot : s.slots) slot.merged = false;
   for (const OwnAlignment& alignment : alignments) {
-    assert(alignment.slot >= 0 && alignment.slot < kMaxReplicas);
+    if (alignment.slot < 0 || alignment.slot >= kMaxReplicas) continue;  // of another thread
     s.alignments.push_back(alignment);
     Slot& slot = s.slots[static_cast<std::size_t>(alignment.slot)];
     slot.merged = alignment.state == AlignmentNotice::State::kMerged;
@@ -75,7 +75,7 @@ void Synchroniser::set_state(const Pose2& T_start_robot, Health health,
 }
 
 void Synchroniser::set_copies_to_everybody(int copies) {
-  assert(copies >= 1);
+  copies = std::max(copies, 1);
   if (copies == state_->copies) return;
   state_->copies = copies;
   state_->size_budgets();
@@ -111,7 +111,7 @@ void Synchroniser::change_key(int session, std::uint16_t key) {
 }
 
 void Synchroniser::leave(Time /*now*/, int session) {
-  assert(session >= 0 && session < kMaxSessions);
+  ensure(session >= 0 && session < kMaxSessions, "Synchroniser: no such session");
   Session& s = state_->sessions[static_cast<std::size_t>(session)];
   if (s.slot >= 0) {
     Slot& slot = state_->slots[static_cast<std::size_t>(s.slot)];
@@ -131,8 +131,8 @@ void Synchroniser::fault(Time now, int session, RecordSink& sink) {
 }
 
 void Synchroniser::State::fault(Time now, int session, RecordSink& sink) {
+  if (!is_joined(session)) return;
   Session& from = sessions[static_cast<std::size_t>(session)];
-  assert(from.joined);
   if (!quarantine.fault(now, from.sender)) return;
   ++counters.quarantines;
   for (int slot = 0; slot < kMaxReplicas; ++slot) {

@@ -67,6 +67,10 @@ struct Synchroniser::State {
   // Slots.
   int attach(Time now, Session& from, int session, std::uint32_t map, RecordSink& sink);
   int find_slot(const Sender& sender, std::uint32_t map) const;
+  bool is_joined(int session) const {
+    return session >= 0 && session < kMaxSessions &&
+           sessions[static_cast<std::size_t>(session)].joined;
+  }
   int free_slot(RecordSink& sink);
   void clear_slot(int slot, RecordSink& sink);
   bool reclaim_records(std::size_t wanted);

@@ -338,6 +338,27 @@ TEST(Synchroniser, AlignmentsTakeTurnsAndAreHeard) {
   EXPECT_FALSE(peer.about_us_heard) << "it was about another map";
 }
 
+// Numbers of sessions and slots come from other parts of the program: none reaches beyond a table.
+TEST(Synchroniser, SessionsAndSlotsThatCannotBeAreLeftOut) {
+  Rig rig;
+  for (const int session : {-1, kMaxSessions, 2'000'000'000, 3}) {
+    EXPECT_EQ(rig.hear(session, Payload().state(7, 1, 1, 1)), Verdict::kQuarantined) << session;
+  }
+  EXPECT_EQ(rig.sync.counters().quarantined, 4u);
+  EXPECT_FALSE(rig.sync.peer(0).used);
+  rig.sync.fault(rig.at(rig.now_s), 3, rig.sink);
+  std::vector<OwnAlignment> own(3);
+  own[0].slot = -1;
+  own[1].slot = kMaxReplicas;
+  own[2].slot = -2'000'000'000;
+  rig.sync.set_state({1.0, 2.0, 3.0}, Health::kMapping, own);
+  for (const auto& body : Rig::sections(rig.run_until(103.0), SectionType::kState)) {
+    StateNotice state;
+    ASSERT_TRUE(decode(body.payload, state));
+    EXPECT_EQ(state.alignments.size(), 0u);
+  }
+}
+
 TEST(Synchroniser, ByeIsTheLast) {
   Rig rig;
   rig.run_until(100.5);
