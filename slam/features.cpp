@@ -58,7 +58,7 @@ Features& FeatureExtractor::extract(const ImageView& frame, int corners_max) {
                                   kRectifiedSize};
   rectifier_.apply(frame, image);
   CornerSettings settings = settings_;
-  settings.max_corners = std::min(settings.max_corners, corners_max);
+  settings.max_corners = std::clamp(corners_max, 0, settings.max_corners);
   detector_.detect(image, settings, corners);
   adapt_threshold(corners.size(), settings.max_corners);
   for (const Corner& corner : corners) {

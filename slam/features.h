@@ -24,7 +24,9 @@ class FeatureExtractor {
   void layout(Arena& arena);
   void build(const RobotConfig& robot, const Parameters& parameters);
 
-  // Features of a frame, strongest first, at most `corners_max`; valid until the next call.
+  // Whether the frame has pixels, as many as the lens says.
+  bool fits(const ImageView& frame) const { return rectifier_.fits(frame); }
+  // Features of such a frame, strongest first, at most `corners_max`; valid until the next call.
   Features& extract(const ImageView& frame, int corners_max = kMaxCorners);
 
   const Pinhole& pinhole() const { return pinhole_; }

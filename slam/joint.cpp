@@ -6,6 +6,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "platform/base/ensure.h"
+
 namespace zenith {
 namespace {
 
@@ -51,7 +53,7 @@ void JointFilter::build(const Parameters& parameters) {
 }
 
 void JointFilter::add(Mapper& mapper) {
-  assert(count_ < kMaxObservers);
+  ensure(count_ < kMaxObservers, "JointFilter: more robots than kMaxObservers");
   members_[static_cast<std::size_t>(count_)] = {&mapper, count_, {}};
   ++count_;
 }
@@ -165,7 +167,10 @@ void JointFilter::gather(std::span<const JointFrame> frames) {
   for (std::size_t k = 0; k < frames.size(); ++k) {
     for (const Candidate& c : mapper(frames[k].robot).candidates()) {
       if (!c.inlier) continue;
+      // Another robot's frame may have shown that the landmark is broken.
+      if (mapper(frames[k].robot).map().info(c.slot).state == LandmarkState::kFree) continue;
       assert(sighting_count_ < sightings_.size());  // a corner serves one landmark
+      if (sighting_count_ == sightings_.size()) break;
       sightings_[sighting_count_++] = {c.slot, static_cast<std::int32_t>(k), &c};
     }
   }

@@ -1,9 +1,9 @@
 #include "slam/joint_slam.h"
 
 #include <algorithm>
-#include <cassert>
 #include <new>
 
+#include "platform/base/ensure.h"
 #include "slam/slam_state.h"
 
 namespace zenith {
@@ -38,16 +38,16 @@ std::size_t JointSlam::memory_needed(const Parameters& parameters) {
   Arena arena;
   arena.take<std::byte>(sizeof(State));
   State state;
-  state.layout(arena, parameters);
+  state.layout(arena, within_limits(parameters));
   return arena.used();
 }
 
 JointSlam::JointSlam(const Parameters& parameters, std::span<std::byte> memory) {
-  assert(memory.size() >= memory_needed(parameters));
+  ensure(memory.size() >= memory_needed(parameters), "JointSlam: memory_needed() bytes are needed");
   Arena arena(memory);
   state_ = new (arena.take<std::byte>(sizeof(State)).data()) State;
-  state_->layout(arena, parameters);
-  state_->filter.build(parameters);
+  state_->layout(arena, within_limits(parameters));
+  state_->filter.build(within_limits(parameters));
 }
 
 JointSlam::~JointSlam() {
@@ -55,7 +55,7 @@ JointSlam::~JointSlam() {
 }
 
 void JointSlam::add(Slam& slam) {
-  assert(state_->count < kMaxObservers);
+  ensure(state_->count < kMaxObservers, "JointSlam: more robots than kMaxObservers");
   state_->slams[static_cast<std::size_t>(state_->count++)] = &slam;
   state_->filter.add(slam.state_->mapper);
 }
@@ -74,6 +74,7 @@ void JointSlam::step(std::span<const Frame> frames) {
         continue;
       }
       Slam::State& own = *slam(f.robot).state_;
+      if (!own.accept(f.input)) continue;
       if (own.begin(f.input)) used.push_back({f.robot, own.travel, own.features, &own.extractor});
     }
     if (alone) continue;
@@ -83,6 +84,7 @@ void JointSlam::step(std::span<const Frame> frames) {
       const bool was_used = std::any_of(used.begin(), used.end(),
                                         [&f](const JointFrame& u) { return u.robot == f.robot; });
       Slam::State& own = *slam(f.robot).state_;
+      if (!own.output.accepted) continue;
       if (f.robot == group) own.cooperate(was_used);
       own.finish(was_used, s.filter.T_leader_start(f.robot).inverse());
     }

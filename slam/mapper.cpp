@@ -64,7 +64,7 @@ void Mapper::update(const WheelTravel& travel, Features& features, const Feature
   }
   keep();
   if (start_due()) start_landmarks(features);
-  if (calibration_.enabled()) move_by_calibration(calibration_.end_frame());
+  if (calibration_.enabled()) finish_calibration();
   if (resampling_due()) resample();
 }
 
@@ -74,7 +74,7 @@ MotionNoise Mapper::motion_noise() const {
 }
 
 void Mapper::move(const WheelTravel& travel, Features& features) {
-  motion_ = motion_increment(robot_.wheels, travel, motion_noise());
+  set_motion(travel);
   const double way = std::hypot(motion_.mean.x_m, motion_.mean.y_m);
   travelled_m_ += way;
   map_->add_way(way_share_ * way);
@@ -83,6 +83,7 @@ void Mapper::move(const WheelTravel& travel, Features& features) {
   } else {
     move_by_sample(particles_, motion_, random_);
   }
+  check_poses();
   pose_ = estimate_pose(particles_);
   for (Feature& f : features) {
     const Eigen::Vector2d shift = calibration_effect({f.zx, f.zy}) * calibration_.beta();
@@ -102,12 +103,13 @@ void Mapper::sense(const Features& features, const FeatureExtractor& view) {
 }
 
 void Mapper::estimate() {
-  effective_ = normalise_weights(particles_);
+  effective_ = normalise_weights(particles_, counters_.repairs);
   pose_ = estimate_pose(particles_);
   if (!calibration_.enabled()) return;
   // All particles share one calibration: what it may still have wrong is not in their spread.
   const PoseSensitivity& A = pose_by_calibration_;
   pose_.covariance += A * calibration_.covariance() * A.transpose();
+  check_estimate();
 }
 
 // Propagates how pose and landmarks depend on the calibration, and what the residuals tell of it.
@@ -142,6 +144,7 @@ void Mapper::learn_calibration(const Features& features) {
     calibration_.add(z - c.m, c.G, D, c.own_trusted().inverse());
   });
   PoseSensitivity gain = calibration_.pose_gain();
+  if (!gain.allFinite()) return restart_calibration();
   gain.topRows<2>() = rotation(pose_.mean.theta_rad) * gain.topRows<2>();
   pose_by_calibration_ += gain;
   for_each_inlier(
@@ -176,6 +179,7 @@ void Mapper::weigh_and_move(const Features& features) {
     }
   }
   if (optimal && !first_) draw_from_proposal(particles_, motion_, proposal_, random_);
+  check_poses();
   place_cameras(particles_, lever_m());
 }
 

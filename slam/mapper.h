@@ -40,6 +40,7 @@ class Mapper {
   // Corrects the features for the calibration learned so far.
   void update(const WheelTravel& travel, Features& features, const FeatureExtractor& view);
 
+  // What breaks in it is repaired and counted (MapperCounters::repairs): see mapper_repair.cpp.
   // The phases of update() in their order, for a filter over several robots (joint.h).
   // By odometry; corrects the features.
   void move(const WheelTravel& travel, Features& features);
@@ -53,7 +54,6 @@ class Mapper {
   void note(const Candidate& c, const Feature& f);
   // Promotion and pruning of this frame's candidates.
   void keep();
-  void refresh_in_turn();
   // New landmarks, when the robot has gone on far enough since the last ones.
   bool start_due() const;
   void start_landmarks(const Features& features);
@@ -102,9 +102,21 @@ class Mapper {
   void follow_old_map();
   void believe_slip();
   void begin_anew();
+  void refresh_in_turn();
   void trust_matches(const Features& features);
   void learn_calibration(const Features& features);
   void move_by_calibration(const CalibrationVector& step);
+  // mapper_repair.cpp, each after what may have broken something:
+  void set_motion(const WheelTravel& travel);
+  void check_poses();
+  void reset_poses();
+  void check_correction();
+  void check_estimate();
+  void finish_calibration();
+  void restart_calibration();
+  void drop_landmark(int slot);
+  bool refresh_place(int slot);  // false: the landmark had to be dropped
+  void check_map();
   void weigh_and_move(const Features& features);
   bool near_candidate(const Feature& f) const;
   void evict_one();
@@ -134,6 +146,8 @@ class Mapper {
   bool loop_closing_ = false;
   ScaleWatch scale_;
   bool scale_wrong_ = false;
+  int resets_in_row_ = 0;  // used frames in which all poses broke
+  bool poses_broke_ = false;
   bool first_ = true;
   double travelled_m_ = 0.0;
   double way_share_ = 1.0;

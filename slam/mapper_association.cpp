@@ -76,6 +76,12 @@ bool Mapper::predict_candidate(int slot, const FeatureExtractor& view, Candidate
   const float noise = observation_noise(static_cast<float>(mean.squaredNorm()));
   c.stated_noise = noise;
   c.own = prediction.own + static_cast<double>(noise) * Eigen::Matrix2d::Identity();
+  // A distance is measured by its inverse.
+  const double sums = mean.sum() + prediction.spread.sum() + rho;
+  if (!std::isfinite(sums) || !(c.own(0, 0) > 0.0 && c.own.determinant() > 0.0)) {
+    drop_landmark(slot);
+    return false;
+  }
   c.promoted = info.state == LandmarkState::kPromoted;
   const double unseen_m = map_->way_m() - info.last_seen_way_m;
   c.old = unseen_m > p_.loop_travel_m;
@@ -108,6 +114,7 @@ void Mapper::associate(const Features& features) {
                     association_, corner_used_);
   correction_ = agree_on_pose(candidates, kPromotedRecent, feats, prior, Eigen::Vector3d::Zero(),
                               p_.gate_sigma);
+  check_correction();
   if (correction_.inliers >= 8) {
     corner_used_.fill(false);
     AssociationSettings settled = association_;
@@ -117,6 +124,7 @@ void Mapper::associate(const Features& features) {
                       corner_used_);
     correction_ =
         agree_on_pose(candidates, kPromotedRecent, feats, prior, correction_.xi, p_.gate_sigma);
+    check_correction();
   }
   if (correction_.inliers >= 8) {
     const double wheels_m = motion_.mean.x_m;

@@ -35,8 +35,8 @@ void Mapper::forget_unseen() {
 }
 
 void Mapper::note(const Candidate& c, const Feature& f) {
-  map_->refresh_place(c.slot, particles_.weight.data(), robot_.mount.z_m);
   LandmarkInfo& l = map_->info(c.slot);
+  if (l.state == LandmarkState::kFree || !refresh_place(c.slot)) return;
   ++l.observations;
   const int of = std::min(l.observations + kMisfitPrior, kMisfitMemory);
   l.misfit += (static_cast<float>(c.misfit) - l.misfit) / static_cast<float>(of);
@@ -60,8 +60,7 @@ void Mapper::refresh_in_turn() {
     refresh_next_ = (refresh_next_ + 1) % count;
     LandmarkInfo& l = map_->info(refresh_next_);
     if (l.state != LandmarkState::kPromoted) continue;
-    map_->refresh_place(refresh_next_, particles_.weight.data(), robot_.mount.z_m);
-    l.changed = true;
+    l.changed = refresh_place(refresh_next_);
   }
 }
 
@@ -82,6 +81,7 @@ void Mapper::begin_anew() {
 void Mapper::keep() {
   const bool young = map_ == &own_map_ && travelled_m_ < kYoung_m;
   if (std::exchange(scale_wrong_, false) && young) begin_anew();
+  check_map();
   refresh_in_turn();
   for (const Candidate& c : candidates_[0]) {
     LandmarkInfo& l = map_->info(c.slot);
@@ -133,7 +133,7 @@ void Mapper::start_landmarks(const Features& features) {
   }
   anchor_travel_m_ = travelled_m_;
   anchor_heading_rad_ = pose_.mean.theta_rad;
-  const double lo = 1.0 / (p_.max_height_m - robot_.mount.z_m);
+  const double lo = 1.0 / std::max(p_.max_height_m - robot_.mount.z_m, 0.3);
   const double hi = 1.0 / std::max(p_.min_height_m - robot_.mount.z_m, 0.3);
   const auto rho_mean = static_cast<float>(std::sqrt(lo * hi));
   const auto rho_sigma = static_cast<float>(0.25 * (hi - lo));
@@ -148,7 +148,7 @@ void Mapper::start_landmarks(const Features& features) {
     }
     start_landmark(map_->rows(slot), particles_.count, f.zx, f.zy, f.noise, rho_mean, rho_sigma);
     map_->by_calibration(slot) = starting_sensitivity({f.zx, f.zy});
-    map_->refresh_place(slot, particles_.weight.data(), robot_.mount.z_m);
+    if (!refresh_place(slot)) continue;
     LandmarkInfo& l = map_->info(slot);
     l.observations = 1;
     l.chances = 1;

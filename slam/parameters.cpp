@@ -1,6 +1,8 @@
 #include "slam/parameters.h"
 
 #include <array>
+#include <cmath>
+#include <type_traits>
 
 namespace zenith {
 namespace {
@@ -88,6 +90,26 @@ constexpr auto kTable = std::to_array<ParameterInfo>({
 
 std::span<const ParameterInfo> parameter_table() {
   return kTable;
+}
+
+Parameters within_limits(const Parameters& given, int* limited) {
+  Parameters out = given;
+  int count = 0;
+  for (const ParameterInfo& info : kTable) {
+    std::visit(
+        [&](auto field) {
+          const auto value = static_cast<double>(given.*field);
+          if (value >= info.min && value <= info.max) return;
+          using Number = std::remove_reference_t<decltype(out.*field)>;
+          out.*field = std::isnan(value)
+                           ? Parameters{}.*field
+                           : static_cast<Number>(value < info.min ? info.min : info.max);
+          ++count;
+        },
+        info.field);
+  }
+  if (limited != nullptr) *limited = count;
+  return out;
 }
 
 }  // namespace zenith

@@ -66,4 +66,8 @@ struct ParameterInfo {
 
 std::span<const ParameterInfo> parameter_table();
 
+// The same parameters, each within the table's range: one beyond stops at its end, one that is no
+// number becomes the default. `limited`: how many were not within.
+Parameters within_limits(const Parameters& given, int* limited = nullptr);
+
 }  // namespace zenith

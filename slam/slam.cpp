@@ -1,16 +1,17 @@
 #include "slam/slam.h"
 
 #include <algorithm>
-#include <cassert>
 #include <new>
 
+#include "platform/base/ensure.h"
 #include "slam/fleet/fusion.h"
 #include "slam/fleet/publish.h"
 #include "slam/slam_state.h"
 
 namespace zenith {
 
-MemoryTable Slam::memory_table(const Parameters& parameters) {
+MemoryTable Slam::memory_table(const Parameters& given) {
+  const Parameters parameters = within_limits(given);
   MemoryTable table;
   Arena arena(table);
   arena.part("state of the step");
@@ -20,15 +21,18 @@ MemoryTable Slam::memory_table(const Parameters& parameters) {
   return table;
 }
 
-Slam::Slam(const RobotConfig& robot, const Parameters& parameters, std::uint64_t seed,
+Slam::Slam(const RobotConfig& robot, const Parameters& given, std::uint64_t seed,
            std::span<std::byte> memory) {
-  assert(memory.size() >= memory_needed(parameters));
+  int limited = 0;
+  const Parameters parameters = within_limits(given, &limited);
+  ensure(memory.size() >= memory_needed(parameters), "Slam: memory_needed() bytes are needed");
   Arena arena(memory);
   state_ = new (arena.take<std::byte>(sizeof(State)).data()) State;
   state_->layout(arena, parameters);
   state_->extractor.build(robot, parameters);
   state_->mapper.build(robot, parameters, seed);
   state_->fleet.build(parameters);
+  state_->counters.parameters_limited = static_cast<std::uint64_t>(limited);
 }
 
 Slam::~Slam() {
@@ -37,6 +41,7 @@ Slam::~Slam() {
 
 const StepOutput& Slam::step(const StepInput& input) {
   State& s = *state_;
+  if (!s.accept(input)) return s.output;
   const bool use = s.begin(input);
   if (use) s.mapper.update(s.travel, *s.features, s.extractor);
   s.cooperate(use);
@@ -44,11 +49,18 @@ const StepOutput& Slam::step(const StepInput& input) {
   return s.output;
 }
 
-bool Slam::State::begin(const StepInput& input) {
-  ++counters.frames;
+bool Slam::State::accept(const StepInput& input) {
   for (const WheelSample& sample : input.wheels) {
     if (!wheels.add(sample)) ++counters.odometry_rejected;
   }
+  counters.odometry_jumps = wheels.jumps();
+  output.accepted =
+      extractor.fits(input.frame) && stamps.take(input.stamp) != StampGuard::Verdict::kRefused;
+  ++(output.accepted ? counters.frames : counters.frames_refused);
+  return output.accepted;
+}
+
+bool Slam::State::begin(const StepInput& input) {
   const WheelHistory::At at = wheels.at(input.stamp);
   if (!at.known || at.extrapolated) ++counters.odometry_extrapolated;
   now = at.total;
@@ -80,7 +92,8 @@ void Slam::State::finish(bool used_frame, const Pose2& T_own_map) {
     used = now;
     has_used = true;
   } else {
-    pose = pose * wheel_motion(mapper.robot().wheels, travel);
+    const Pose2 moved = pose * wheel_motion(mapper.robot().wheels, travel);
+    if (is_usable(moved)) pose = moved;
   }
   output.T_start_robot = T_own_map * pose;
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
@@ -126,6 +139,7 @@ void Slam::look(Picture& out) const {
 StepCounters Slam::counters() const {
   StepCounters c = state_->counters;
   c.mapper = state_->mapper.counters();
+  c.records_refused = state_->fleet.records_refused();
   c.removals_untold = state_->mapper.map().removals_untold();
   return c;
 }
@@ -146,24 +160,33 @@ std::size_t Slam::publish(std::span<LandmarkRecord> out) {
   return count;
 }
 
+bool Slam::State::knows(int peer) {
+  if (peer >= 0 && peer < kMaxPeers) return true;
+  ++counters.calls_refused;
+  return false;
+}
+
 void Slam::receive(int peer, std::span<const LandmarkRecord> records) {
-  assert(peer >= 0 && peer < kMaxPeers);
-  state_->fleet.receive(peer, records);
+  if (state_->knows(peer)) state_->fleet.receive(peer, records);
 }
 
 void Slam::remember(int peer, std::span<const LandmarkRecord> records) {
-  receive(peer, records);
+  if (!state_->knows(peer)) return;
+  state_->fleet.receive(peer, records);
   state_->fleet.note_past(peer);
 }
 
 void Slam::forget(int peer) {
-  assert(peer >= 0 && peer < kMaxPeers);
-  state_->fleet.forget(peer);
+  if (state_->knows(peer)) state_->fleet.forget(peer);
 }
 
 void Slam::offer_alignment(int peer, const Pose2& T_own_peer) {
-  assert(peer >= 0 && peer < kMaxPeers);
-  state_->fleet.offer_alignment(peer, T_own_peer);
+  if (!state_->knows(peer)) return;
+  if (is_usable(T_own_peer)) {
+    state_->fleet.offer_alignment(peer, T_own_peer);
+  } else {
+    ++state_->counters.calls_refused;
+  }
 }
 
 std::span<const Alignment> Slam::alignments() const {
@@ -171,6 +194,7 @@ std::span<const Alignment> Slam::alignments() const {
 }
 
 std::span<const Correspondence> Slam::correspondences(int peer) const {
+  if (peer < 0 || peer >= kMaxPeers) return {};
   const Peer& p = state_->fleet.peers()[static_cast<std::size_t>(peer)];
   return std::span<const Correspondence>(p.pairs).first(p.pair_count);
 }

@@ -37,10 +37,12 @@ struct StepInput {
   int corners_max = kMaxCorners;  // fewer than Parameters::corners_max sheds load in this frame
 };
 
+// All numbers are finite, whatever the input was.
 struct StepOutput {
   Time stamp;
-  Pose2 T_start_robot;              // base_link in the robot's own start frame
-  Eigen::Matrix3d pose_covariance;  // over (x, y, theta)
+  bool accepted = false;  // false: the frame was refused, all else is of the last one
+  Pose2 T_start_robot;    // base_link in the robot's own start frame
+  Eigen::Matrix3d pose_covariance = Eigen::Matrix3d::Zero();  // over (x, y, theta)
   double effective_sample_size = 0.0;
   Odometry odometry;  // the wheels alone
   int corners = 0;
@@ -58,14 +60,17 @@ class Slam {
     return memory_table(parameters).total();
   }
 
-  // `memory` must outlive the Slam, be aligned to 64 bytes and hold memory_needed() bytes.
+  // `memory` must outlive the Slam, be aligned to 64 bytes and hold memory_needed() bytes; else the
+  // program ends (platform/base/ensure.h). Parameters are taken within_limits().
   Slam(const RobotConfig& robot, const Parameters& parameters, std::uint64_t seed,
        std::span<std::byte> memory);
   ~Slam();
   Slam(const Slam&) = delete;
   Slam& operator=(const Slam&) = delete;
 
-  // One frame. Calls must have rising stamps.
+  // One frame. A frame that is not as large as the lens says, has no pixels, or a stamp that does
+  // not rise is refused and counted: the output is the last one, with `accepted` false. Stamps of a
+  // clock that was set back are taken again after kOtherClockFrames (slam/bounds.h).
   const StepOutput& step(const StepInput& input);
 
   // Of the last step.
@@ -81,7 +86,8 @@ class Slam {
   // written. Call again while it fills `out`.
   std::size_t publish(std::span<LandmarkRecord> out);
 
-  // A peer's records. `peer` is a slot in [0, kMaxPeers).
+  // A peer's records; those that are not plausible are refused. `peer` is a slot in
+  // [0, kMaxPeers), here and below: calls with another one are counted, and do nothing.
   void receive(int peer, std::span<const LandmarkRecord> records);
 
   // The robot's own map of an earlier run, as one more peer: `past self`. Found and aligned as any

@@ -2,6 +2,7 @@
 // What a Slam holds, and the step in two halves: before and after the filter. One robot's filter
 // stands between them in slam.cpp, several robots' in joint_slam.cpp.
 
+#include "slam/bounds.h"
 #include "slam/fleet/fleet.h"
 #include "slam/mapper.h"
 #include "slam/observed.h"
@@ -15,6 +16,7 @@ struct Slam::State {
   Fleet fleet;
   ObservedFrame observed;
   WheelHistory wheels;
+  StampGuard stamps{kOtherClockFrames};
   DeadReckoning dead_reckoning;
   WheelTravel used;  // total travel at the last used frame
   bool has_used = false;
@@ -33,8 +35,12 @@ struct Slam::State {
     fleet.layout(arena);
   }
 
-  // Wheels and corners; whether the robot moved enough for the frame to be used.
+  // Takes the wheels; false when the frame is refused.
+  bool accept(const StepInput& input);
+  // Corners; whether the robot moved enough for the frame to be used.
   bool begin(const StepInput& input);
+  // Whether there is such a peer.
+  bool knows(int peer);
 
   // After the filter: the pose, and what was matched. T_own_map is from the map's frame to the
   // robot's own start frame.

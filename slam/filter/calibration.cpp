@@ -15,6 +15,8 @@ namespace {
 constexpr double kFrameWeight = 0.1;
 // Of the information, forgotten with each frame: a mount that settles is followed in minutes.
 constexpr double kForget = 2e-4;
+// Radians, relative, focal lengths: no camera is so far from its calibration.
+constexpr double kAbsurd = 0.5;
 
 Eigen::Vector2d perpendicular(const Eigen::Vector2d& v) {
   return {-v.y(), v.x()};
@@ -80,6 +82,13 @@ void CalibrationEstimator::reset(const CalibrationPrior& prior) {
   sigma << prior.tilt_rad, prior.tilt_rad, prior.focal, prior.principal, prior.principal;
   information_.setIdentity();
   if (enabled_) information_ = sigma.cwiseMax(1e-6).cwiseAbs2().cwiseInverse().asDiagonal();
+  prior_ = information_;
+  broken_ = false;
+}
+
+void CalibrationEstimator::restart() {
+  information_ = prior_;
+  broken_ = false;
 }
 
 void CalibrationEstimator::begin_frame(const Eigen::Matrix3d& motion_information) {
@@ -110,7 +119,10 @@ CalibrationVector CalibrationEstimator::end_frame() {
   const CalibrationVector right = b_ - bx_ * llt.solve(x_);
   information_ = (1.0 - kForget) * information_ + kFrameWeight * told;
   const CalibrationVector step = information_.ldlt().solve(kFrameWeight * right);
-  beta_ += step;
+  const CalibrationVector learned = beta_ + step;
+  broken_ = !(learned.array().abs() < kAbsurd).all();
+  if (broken_) return CalibrationVector::Zero();
+  beta_ = learned;
   return step;
 }
 

@@ -73,6 +73,10 @@ class CalibrationEstimator {
   bool enabled() const { return enabled_; }
   // Learns no more; beta() stays.
   void freeze() { enabled_ = false; }
+  // A frame's step came out as no number, or absurd: beta() is as it was, and the rest is of no
+  // use until restart(), which learns from the start again.
+  bool broken() const { return broken_; }
+  void restart();
 
   void begin_frame(const Eigen::Matrix3d& motion_information);
   // One inlier: residual, its sensitivity to pose (body axes) and to beta, and its weight S^-1.
@@ -90,6 +94,8 @@ class CalibrationEstimator {
   bool enabled_ = false;
   CalibrationVector beta_ = CalibrationVector::Zero();
   CalibrationMatrix information_ = CalibrationMatrix::Identity();
+  CalibrationMatrix prior_ = CalibrationMatrix::Identity();
+  bool broken_ = false;
   // This frame's normal equations over (beta, pose correction).
   CalibrationMatrix bb_ = CalibrationMatrix::Zero();
   Eigen::Matrix<double, kCalibrationSize, 3> bx_ =

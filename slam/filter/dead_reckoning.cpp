@@ -15,6 +15,8 @@ void DeadReckoning::advance(const Wheels& wheels, Time stamp, const WheelTravel&
   if (first || interval_s <= 0.0) return;
 
   const MotionIncrement u = motion_increment(wheels, travel, noise);
+  const Eigen::Matrix3d& Q = u.covariance;
+  if (!std::isfinite(u.mean.x_m + u.mean.y_m + u.mean.theta_rad) || !Q.allFinite()) return;
   const Eigen::Vector2d moved = rotation(odometry_.T_odom_robot.theta_rad) * u.mean.position();
   odometry_.T_odom_robot = odometry_.T_odom_robot * u.mean;
   Eigen::Matrix3d F = Eigen::Matrix3d::Identity();

@@ -23,7 +23,8 @@ struct Odometry {
 
 class DeadReckoning {
  public:
-  // `total` travel at `stamp`; stamps rise. The first call is the start.
+  // `total` travel at `stamp`; stamps rise. The first call is the start. Travel between stamps that
+  // do not rise, or that is no number, is left out.
   void advance(const Wheels& wheels, Time stamp, const WheelTravel& total,
                const MotionNoise& noise);
 

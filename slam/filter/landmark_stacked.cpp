@@ -113,6 +113,7 @@ void update_landmark_stacked(const LandmarkRows& landmark,
                              std::span<const StackedObservation> observers, int particles,
                              double* log_weight) {
   assert(!observers.empty() && observers.size() <= kUpdates.size());
+  if (observers.empty() || observers.size() > kUpdates.size()) return;
   kUpdates[observers.size() - 1](landmark, observers.data(), particles, log_weight);
 }
 

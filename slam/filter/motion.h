@@ -8,9 +8,11 @@
 
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <span>
 
 #include "platform/base/time.h"
+#include "slam/bounds.h"
 #include "slam/capacity.h"
 #include "slam/geometry.h"
 #include "slam/robot.h"
@@ -38,8 +40,11 @@ inline Pose2 wheel_motion(const Wheels& wheels, const WheelTravel& travel) {
 // oldest is overwritten. Beyond the newest sample the last speed is held for at most 100 ms.
 class WheelHistory {
  public:
-  // Samples must come in order; one that is not newer than the last is refused (returns false).
+  // False when the sample is refused: beyond the bounds (slam/bounds.h), or not newer than the
+  // last. Samples of a clock that was set back are taken again after kOtherClockSamples. A total
+  // that jumps further than a wheel turns counts as no travel, and the next ones go on from it.
   bool add(const WheelSample& sample);
+  std::uint64_t jumps() const { return jumps_; }
 
   struct At {
     WheelTravel total;
@@ -54,6 +59,10 @@ class WheelHistory {
   std::array<WheelSample, kMaxWheelSamples> samples_ = {};
   int head_ = 0;
   int size_ = 0;
+  WheelTravel told_;   // by the last sample
+  WheelTravel shift_;  // from what samples tell to the total without jumps
+  StampGuard stamps_{kOtherClockSamples};
+  std::uint64_t jumps_ = 0;
 };
 
 }  // namespace zenith

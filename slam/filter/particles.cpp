@@ -1,7 +1,10 @@
 #include "slam/filter/particles.h"
 
 #include <algorithm>
-#include <cassert>
+#include <cmath>
+#include <limits>
+
+#include "slam/bounds.h"
 
 namespace zenith {
 
@@ -19,18 +22,48 @@ void place_cameras(Particles& particles, const Eigen::Vector2d& lever_m) {
   }
 }
 
-double normalise_weights(Particles& particles) {
-  const auto n = static_cast<std::size_t>(particles.count);
-  const auto log_weight = particles.log_weight.first(n);
-  const auto weight = particles.weight.first(n);
+namespace {
+
+// Returns the sum of the weights, the largest being 1; no number when a log weight is none.
+double weigh(std::span<double> log_weight, std::span<double> weight) {
   const double largest = *std::max_element(log_weight.begin(), log_weight.end());
+  if (!std::isfinite(largest)) return largest;
   double sum = 0.0;
-  for (std::size_t i = 0; i < n; ++i) {
+  for (std::size_t i = 0; i < weight.size(); ++i) {
     log_weight[i] -= largest;
     weight[i] = std::exp(log_weight[i]);
     sum += weight[i];
   }
-  assert(sum >= 1.0);
+  return sum;
+}
+
+void repair(std::span<double> log_weight, RepairCounters& repairs) {
+  constexpr double kNone = -std::numeric_limits<double>::infinity();
+  bool any = false;
+  for (double& w : log_weight) {
+    if (std::isfinite(w)) {
+      any = true;
+    } else if (w != kNone) {
+      w = kNone;
+      ++repairs.weights_zeroed;
+    }
+  }
+  if (any) return;
+  std::fill(log_weight.begin(), log_weight.end(), 0.0);
+  ++repairs.weights_equalised;
+}
+
+}  // namespace
+
+double normalise_weights(Particles& particles, RepairCounters& repairs) {
+  const auto n = static_cast<std::size_t>(particles.count);
+  const auto log_weight = particles.log_weight.first(n);
+  const auto weight = particles.weight.first(n);
+  double sum = weigh(log_weight, weight);
+  if (!is_within(sum, static_cast<double>(n)) || sum < 1.0) {
+    repair(log_weight, repairs);
+    sum = weigh(log_weight, weight);
+  }
   double squares = 0.0;
   for (double& w : weight) {
     w /= sum;

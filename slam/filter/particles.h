@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 
 #include "platform/base/arena.h"
+#include "slam/counters.h"
 #include "slam/filter/rows.h"
 #include "slam/geometry.h"
 #include "slam/kernels/rows/rows.h"
@@ -54,7 +55,9 @@ void place_cameras(Particles& particles, const Eigen::Vector2d& lever_m);
 
 // log_weight -> weight (sum 1), log_weight shifted so that the largest is 0.
 // Returns the effective sample size 1 / sum w^2 (Kong, Liu, Wong 1994).
-double normalise_weights(Particles& particles);
+// A log weight that is no number, or infinite, becomes -infinity: no weight. When no other is left
+// all particles weigh alike. Both are counted.
+double normalise_weights(Particles& particles, RepairCounters& repairs);
 
 struct PoseEstimate {
   Pose2 mean;

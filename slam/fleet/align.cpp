@@ -69,13 +69,19 @@ AlignmentFit fit_alignment(std::span<const PointPair> pairs, const Pose2& start,
     const Eigen::LDLT<Eigen::Matrix3d> ldlt(lambda);
     if (ldlt.info() != Eigen::Success || ldlt.vectorD().minCoeff() <= 0.0) return fit;
     const Eigen::Vector3d step = ldlt.solve(eta);
+    const Eigen::Matrix3d covariance = ldlt.solve(Eigen::Matrix3d::Identity());
+    // A pair without covariance weighs without bound.
+    if (!std::isfinite(step.sum() + covariance.sum() + sum)) {
+      fit = AlignmentFit{};
+      fit.T_a_b = start;
+      return fit;
+    }
     fit.T_a_b.x_m += step.x();
     fit.T_a_b.y_m += step.y();
     fit.T_a_b.theta_rad = wrap_angle(fit.T_a_b.theta_rad + step.z());
     fit.mean_squared_distance = sum / static_cast<double>(pairs.size());
     // Two residuals a pair; more scatter than stated means larger covariances than stated.
-    fit.covariance =
-        ldlt.solve(Eigen::Matrix3d::Identity()) * std::max(1.0, 0.5 * fit.mean_squared_distance);
+    fit.covariance = covariance * std::max(1.0, 0.5 * fit.mean_squared_distance);
     fit.ok = true;
     if (step.norm() < 1e-9) break;
   }

@@ -29,7 +29,8 @@ struct AlignmentFit {
   Pose2 T_a_b;
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();
   double mean_squared_distance = 0.0;  // Mahalanobis, over all pairs
-  bool ok = false;                     // false: too few pairs, or all in one place
+  // False: too few pairs, all in one place, or pairs of which no finite fit can be made.
+  bool ok = false;
 };
 
 // Refines `start`; pairs further than `cauchy_sigmas` count less than half.

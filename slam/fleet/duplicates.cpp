@@ -48,6 +48,7 @@ TwinSearch look_around(const Hypothesis& h, const PeerMap& peer, int peer_slot, 
 }  // namespace
 
 void search_duplicates(Peer& peer, int place, const Map& map) {
+  if (peer.map.empty()) return;
   Hypothesis& h = peer.hypothesis(place);
   const int count = sweep_per_frame(peer, map);
   for (int n = 0; n < count; ++n) {

@@ -40,19 +40,20 @@ void Fleet::build(const Parameters& parameters) {
 void Fleet::receive(int peer, std::span<const LandmarkRecord> records) {
   Peer& p = peers_[static_cast<std::size_t>(peer)];
   p.known = true;
-  for (const LandmarkRecord& r : records) p.map.apply(r);
+  for (const LandmarkRecord& r : records) records_refused_ += p.map.apply(r) ? 0 : 1;
 }
 
 void Fleet::receive_own(std::span<const LandmarkRecord> records) {
   self().known = true;
-  for (const LandmarkRecord& r : records) self().map.apply(r);
+  for (const LandmarkRecord& r : records) records_refused_ += self().map.apply(r) ? 0 : 1;
 }
 
 void Fleet::offer_alignment(int peer_slot, const Pose2& T_own_peer) {
   Peer& peer = peers_[static_cast<std::size_t>(peer_slot)];
   if (!peer.known || peer.map.empty() || peer.merged) return;
   if (peer.offered >= 0) return;  // one is under test
-  put_to_test(peer, peer.add(T_own_peer));
+  const int added = peer.add(T_own_peer);
+  if (added >= 0) put_to_test(peer, added);
 }
 
 // The last word has the comparison of the whole maps: see judge_offer().

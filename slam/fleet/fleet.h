@@ -62,6 +62,7 @@ class Fleet {
   void rest(const Map& map);
 
   std::span<const Alignment> alignments() const { return alignments_.span(); }
+  std::uint64_t records_refused() const { return records_refused_; }
   std::span<const Peer> peers() const { return peers_.first(kMaxPeers); }
 
  private:
@@ -99,6 +100,7 @@ class Fleet {
   std::span<OverlapMatches> matches_;
   std::span<PlaceFixes> fixes_;
   FixedVector<Alignment, kMaxPeers> alignments_;
+  std::uint64_t records_refused_ = 0;
 };
 
 }  // namespace zenith

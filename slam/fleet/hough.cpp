@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "slam/bounds.h"
 #include "slam/fleet/align.h"
 
 namespace zenith {
@@ -11,6 +12,7 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr int kHeadingBins = 72;
+constexpr double kFarthestSeen_m = 1000.0;  // a circle has 60 000 cells then
 
 double bearing(const Eigen::Vector2d& d) {
   return std::atan2(d.y(), d.x());
@@ -81,6 +83,7 @@ void HoughSearch::vote(const ObservedFrame& frame, const PeerMap& peer, const Ov
   const Eigen::Vector2d z = frame[static_cast<std::size_t>(match.observed)].from_robot_m;
   const Eigen::Vector2d landmark = peer[match.peer_slot].xy();
   const double radius = z.norm();
+  if (!is_within(radius, kFarthestSeen_m)) return;
   const double centre = bearing(z) + static_cast<double>(match.heading_rad) + std::numbers::pi;
   const double step = kCell_m / std::max(radius, kCell_m);
   const int steps = static_cast<int>(std::min(arc_rad, std::numbers::pi) / step);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "slam/bounds.h"
 #include "slam/image/ncc.h"
 
 namespace zenith {
@@ -161,7 +162,7 @@ void refit(Hypothesis& h, const Map& map, const PeerMap& peer) {
     ++i;
   }
   const AlignmentFit fit = fit_alignment(points.span(), h.T_own_peer);
-  if (!fit.ok || points.size() < 3) return;
+  if (!fit.ok || points.size() < 3 || !is_usable(fit.T_a_b)) return;
   h.T_own_peer = fit.T_a_b;
   h.covariance = fit.covariance;
   h.scatter = 0.5 * fit.mean_squared_distance;

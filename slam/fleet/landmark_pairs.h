@@ -4,12 +4,12 @@
 // has many. Full, or no block free: rejects.
 
 #include <array>
-#include <cassert>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 
 #include "platform/base/arena.h"
+#include "platform/base/ensure.h"
 #include "slam/capacity.h"
 
 namespace zenith {
@@ -59,7 +59,7 @@ class PairList {
   bool push_back(const LandmarkPair& pair);
   // Order is not kept: the last pair takes the place of the removed one.
   void swap_remove(std::size_t i) {
-    assert(i < size_);
+    ensure(i < size_, "PairList: no such pair to remove");
     (*this)[i] = (*this)[size_ - 1];
     --size_;
   }
@@ -68,11 +68,11 @@ class PairList {
 
   std::size_t size() const { return size_; }
   LandmarkPair& operator[](std::size_t i) {
-    assert(i < size_);
+    ensure(i < size_, "PairList: index beyond the end");
     return i < kPairBlock ? first_[i] : further_[i / kPairBlock - 1][i % kPairBlock];
   }
   const LandmarkPair& operator[](std::size_t i) const {
-    assert(i < size_);
+    ensure(i < size_, "PairList: index beyond the end");
     return i < kPairBlock ? first_[i] : further_[i / kPairBlock - 1][i % kPairBlock];
   }
 

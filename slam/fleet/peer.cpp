@@ -34,6 +34,7 @@ int HypothesisPool::limit() const {
 
 Hypothesis* HypothesisPool::take() {
   assert(free_count_ > 0);
+  if (free_count_ == 0) return nullptr;
   Hypothesis* h = new (&all_[static_cast<std::size_t>(free_[--free_count_])]) Hypothesis;
   h->pairs.use(pairs_);
   return h;
@@ -85,8 +86,10 @@ int Peer::place_for_one() const {
 
 int Peer::add(const Pose2& T_own_peer) {
   const int place = place_for_one();
+  if (place < 0) return -1;
   drop(place);
   Hypothesis* h = pool_->take();
+  if (h == nullptr) return -1;
   h->T_own_peer = T_own_peer;
   h->covariance = Eigen::Vector3d(0.0025, 0.0025, 0.0004).asDiagonal();
   hypotheses[static_cast<std::size_t>(place)] = h;

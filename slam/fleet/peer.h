@@ -17,7 +17,7 @@ class HypothesisPool {
  public:
   void layout(Arena& arena);
 
-  // A fresh one. Never runs dry while all keep to limit().
+  // A fresh one, or null. Never runs dry while all keep to limit().
   Hypothesis* take();
   void give_back(Hypothesis* hypothesis);
   int limit() const;  // that one peer may have now
@@ -36,7 +36,7 @@ class Peer {
   // As if it had never been heard of.
   void forget();
 
-  // A new hypothesis in a free place, or in that of the one that is worth least; its place.
+  // A new hypothesis in a free place, or in that of the one that is worth least; its place, or -1.
   int add(const Pose2& T_own_peer);
   void drop(int place);
   // Of a place that is in use.

@@ -17,7 +17,7 @@ std::span<PeerAppearance> PeerLandmarkBlock::make_looks(int i, int count) {
     kept_for_others += &other != &l && other.look_count == 0 ? 1 : 0;
   }
   const int of_others = looks_used_ - l.look_count;
-  const int given = std::min(count, kPeerBlockLooks - of_others - kept_for_others);
+  const int given = std::clamp(kPeerBlockLooks - of_others - kept_for_others, 0, count);
   assert(count == 0 || given > 0);
   if (l.look_count == 0) l.first_look = static_cast<std::int16_t>(looks_used_);
 

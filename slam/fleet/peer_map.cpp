@@ -1,27 +1,14 @@
 #include "slam/fleet/peer_map.h"
 
 #include <algorithm>
-#include <cmath>
+
+#include "slam/bounds.h"
 
 namespace zenith {
 namespace {
 
-constexpr float kFarthest_m = 1e5F;
-
-// Not negative in any direction: all principal minors, but for rounding.
-bool is_covariance(const std::array<float, 6>& m) {
-  const double xx = m[0], xy = m[1], xz = m[2], yy = m[3], yz = m[4], zz = m[5];
-  if (xx < 0.0 || yy < 0.0 || zz < 0.0) return false;
-  constexpr double kRounding = 1e-5;
-  const auto at_least = [](double minor, double scale) { return minor >= -kRounding * scale; };
-  const double determinant =
-      xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz);
-  return at_least(xx * yy - xy * xy, xx * yy) && at_least(xx * zz - xz * xz, xx * zz) &&
-         at_least(yy * zz - yz * yz, yy * zz) && at_least(determinant, xx * yy * zz);
-}
-
 bool plausible(const LandmarkRecord& r) {
-  const auto near = [](float x) { return std::isfinite(x) && std::abs(x) < kFarthest_m; };
+  const auto near = [](float x) { return is_within(static_cast<double>(x), kFarthest_m); };
   if (!near(r.x_m) || !near(r.y_m) || !near(r.z_m)) return false;
   for (const float c : r.covariance_m2) {
     if (!near(c)) return false;

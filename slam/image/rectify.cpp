@@ -1,6 +1,5 @@
 #include "slam/image/rectify.h"
 
-#include <cassert>
 #include <cmath>
 
 #include <Eigen/Geometry>
@@ -38,7 +37,9 @@ void Rectifier::build(const Lens& lens, const CameraMount& mount, const Pinhole&
       entry = {};
       const double fu = std::floor(at.x());
       const double fv = std::floor(at.y());
-      if (fu < 0.0 || fv < 0.0 || fu > lens.width_px - 2 || fv > lens.height_px - 2) continue;
+      // Written so that what is no number lies outside.
+      if (!(fu >= 0.0 && fv >= 0.0 && fu <= lens.width_px - 2 && fv <= lens.height_px - 2))
+        continue;
       // Kernels must not read behind the frame.
       if (fv > lens.height_px - 3 && fu > lens.width_px - kRemapReads) continue;
       entry.u = static_cast<std::uint16_t>(fu);
@@ -51,7 +52,7 @@ void Rectifier::build(const Lens& lens, const CameraMount& mount, const Pinhole&
 }
 
 void Rectifier::apply(const ImageView& frame, const MutableImageView& out) const {
-  assert(frame.width == frame_width_ && frame.height == frame_height_);
+  if (!fits(frame)) return;
   const auto remap = image_kernels().remap;
   for (int v = 0; v < out.height; ++v) {
     remap(frame.data, frame.stride, table_.data() + static_cast<std::ptrdiff_t>(v) * out.width,

@@ -43,7 +43,13 @@ class Rectifier {
   void layout(Arena& arena);
   void build(const Lens& lens, const CameraMount& mount, const Pinhole& pinhole);
 
-  // Reads `frame` (as large as the lens says), writes kRectifiedSize x kRectifiedSize.
+  // Whether the frame has pixels, as many as the lens says.
+  bool fits(const ImageView& frame) const {
+    return frame.data != nullptr && frame.width == frame_width_ && frame.height == frame_height_ &&
+           frame.stride >= frame.width;
+  }
+  // Reads `frame`, which fits(); another one leaves `out` as it is. Writes kRectifiedSize x
+  // kRectifiedSize.
   void apply(const ImageView& frame, const MutableImageView& out) const;
 
   // True when the square of +-margin around the pixel lies within what the lens sees.

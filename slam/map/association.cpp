@@ -6,6 +6,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 
+#include "slam/bounds.h"
 #include "slam/geometry.h"
 
 namespace zenith {
@@ -75,8 +76,9 @@ void Associator::match(std::span<Candidate> candidates, CandidateKind kind,
       if (ncc < settings.ncc_min || count == pairs_.size()) continue;
       // Between equal looks the nearer one wins.
       const auto nearness = static_cast<float>(0.1 * std::min(d.dot(W * d) / gate2, 1.0));
-      pairs_[count++] = {ncc - nearness, static_cast<std::int32_t>(i),
-                         static_cast<std::int32_t>(k)};
+      const float score = ncc - nearness;
+      if (!std::isfinite(score)) continue;  // they could not be sorted
+      pairs_[count++] = {score, static_cast<std::int32_t>(i), static_cast<std::int32_t>(k)};
     }
   }
   std::sort(pairs_.begin(), pairs_.begin() + static_cast<std::ptrdiff_t>(count),
@@ -120,7 +122,13 @@ PoseCorrection agree_on_pose(std::span<Candidate> candidates, CandidateKind kind
     out.covariance = llt.solve(Eigen::Matrix3d::Identity());
     if (change < 1e-6) break;
   }
-  out.inliers = mark_inliers(candidates, kind, features, out, gate_sigma);
+  const bool usable = out.xi.array().abs().maxCoeff() <= kFarthest_m &&
+                      std::isfinite(out.xi.sum()) && out.covariance.allFinite();
+  if (!usable) {
+    out = PoseCorrection{};
+    out.broken = true;
+  }
+  out.inliers = mark_inliers(candidates, kind, features, out, usable ? gate_sigma : 0.0);
   return out;
 }
 

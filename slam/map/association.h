@@ -51,6 +51,7 @@ struct PoseCorrection {
   Eigen::Vector3d xi = Eigen::Vector3d::Zero();  // (forward, left, turn) in the body
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   int inliers = 0;
+  bool broken = false;  // it came out as no number or beyond slam/bounds.h: nothing is left of it
 };
 enum class CandidateKind { kPromotedRecent, kPromotedOld, kTentative };
 

@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 
+#include "slam/bounds.h"
 #include "slam/geometry.h"
 #include "slam/image/ncc.h"
 
@@ -17,6 +18,18 @@ constexpr auto kAnchors = static_cast<std::size_t>(kMaxAnchors);
 constexpr int kSweepLandmarks = 2 * kMaxLandmarks / static_cast<int>(Ancestry::kGenerations);
 constexpr int kSweepAnchors = 2 * kMaxAnchors / static_cast<int>(Ancestry::kGenerations);
 static_assert(kSweepLandmarks >= 1 && kSweepAnchors >= 1);
+
+bool is_usable(const LandmarkPlace& place) {
+  // A variance is a difference of sums, and may be a little less than nothing.
+  constexpr double kRounding_m2 = 1e-6;
+  for (int i = 0; i < 3; ++i) {
+    const double variance = place.covariance_m2(i, i);
+    if (!is_within(place.mean_m[i], kFarthest_m)) return false;
+    if (!(variance >= -kRounding_m2 && variance <= kMostVariance)) return false;
+  }
+  const Eigen::Matrix3d& c = place.covariance_m2;
+  return std::isfinite(c(0, 1) + c(0, 2) + c(1, 2) + place.rho + place.rho_variance);
+}
 
 }  // namespace
 
@@ -80,6 +93,7 @@ int Map::create(int anchor) {
 void Map::remove(int slot) {
   LandmarkInfo& l = info(slot);
   assert(l.state != LandmarkState::kFree);
+  if (l.state == LandmarkState::kFree) return;
   for (int i = l.first_appearance; i >= 0;) {
     const int next = pool_[static_cast<std::size_t>(i)].next;
     pool_[static_cast<std::size_t>(i)].next = free_appearance_;
@@ -145,7 +159,9 @@ bool Map::add_appearance(int slot, const Patch& patch, const CompactPatch& compa
 }
 
 LandmarkRows Map::rows(int slot) {
-  const int anchor = info(slot).anchor;
+  // A free slot has no anchor: the first one's rows are at least rows of this map.
+  assert(info(slot).state != LandmarkState::kFree);
+  const int anchor = std::max(info(slot).anchor, 0);
   rows_.bring(slot, ancestry_);
   anchor_rows_.bring(anchor, ancestry_);
   follow_calibration(slot, anchor);
@@ -180,8 +196,9 @@ void Map::follow_calibration(int slot, int anchor) {
   }
 }
 
-void Map::refresh_place(int slot, const double* weight, double camera_z_m) {
+bool Map::refresh_place(int slot, const double* weight, double camera_z_m) {
   const LandmarkPlace place = place_landmark(rows(slot), weight, particles_, camera_z_m);
+  if (!is_usable(place)) return false;
   LandmarkInfo& l = info(slot);
   l.x_m = static_cast<float>(place.mean_m.x());
   l.y_m = static_cast<float>(place.mean_m.y());
@@ -191,6 +208,7 @@ void Map::refresh_place(int slot, const double* weight, double camera_z_m) {
   for (int i = 0; i < 6; ++i) l.covariance_m2[i] = static_cast<float>(six[i]);
   l.rho = static_cast<float>(place.rho);
   l.rho_sigma = static_cast<float>(std::sqrt(std::max(place.rho_variance, 0.0)));
+  return true;
 }
 
 void Map::resampled(std::span<const std::uint16_t> parents) {

@@ -57,8 +57,9 @@ class Map {
   double way_m() const { return way_m_; }
   void add_way(double way_m) { way_m_ += way_m; }
 
-  // Recomputes the cached place from the rows.
-  void refresh_place(int slot, const double* weight, double camera_z_m);
+  // Recomputes the cached place from the rows. False when it is no number or lies beyond
+  // slam/bounds.h: the landmark is of no use, and its cached place is as it was.
+  bool refresh_place(int slot, const double* weight, double camera_z_m);
 
   // A resampling happened. Also brings some rows up to date in turn, so that none grows older than
   // the ancestry remembers.

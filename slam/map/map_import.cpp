@@ -131,8 +131,8 @@ ImportCounters MapImport::run(Map& own, Map& other, std::span<const Pose2> T_own
     if (own_slot < 0) continue;
     add_looks(own, own_slot, other, static_cast<int>(slot), T_mean.theta_rad,
               settings.ncc_new_appearance);
-    own.refresh_place(own_slot, weight.data(), camera_z_m);
     own.info(own_slot).changed = true;
+    if (!own.refresh_place(own_slot, weight.data(), camera_z_m)) own.remove(own_slot);
   }
   return counters;
 }

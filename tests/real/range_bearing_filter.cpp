@@ -21,7 +21,7 @@ RangeBearingFilter::RangeBearingFilter(const RangeBearingSettings& settings, std
   Arena arena({static_cast<std::byte*>(start), counting.used()});
   layout(arena);
   std::fill(particles_.log_weight.begin(), particles_.log_weight.end(), 0.0);
-  normalise_weights(particles_);
+  normalise_weights(particles_, repairs_);
 }
 
 void RangeBearingFilter::layout(Arena& arena) {
@@ -176,7 +176,7 @@ void RangeBearingFilter::observe(const std::vector<RangeBearing>& measurements) 
   for (const RangeBearing& z : measurements) {
     if (observations_[static_cast<std::size_t>(z.subject)] == 0) start(z);
   }
-  const double effective = normalise_weights(particles_);
+  const double effective = normalise_weights(particles_, repairs_);
   if (effective < settings_.resample_fraction * particles_.count) resample();
 }
 
@@ -222,7 +222,7 @@ void RangeBearingFilter::resample() {
     particles_.set_pose(static_cast<int>(i), poses[i]);
     particles_.log_weight[i] = 0.0;
   }
-  normalise_weights(particles_);
+  normalise_weights(particles_, repairs_);
   ancestry_.push(parents);
   // Rows that nobody touches must not outlive the ancestry's memory.
   for (int slot = 0; slot < kLandmarks; ++slot) {

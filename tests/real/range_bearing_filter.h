@@ -86,6 +86,7 @@ class RangeBearingFilter {
   Random random_;
   std::vector<std::byte> memory_;
   Particles particles_;
+  RepairCounters repairs_;
   Ancestry ancestry_;
   RowStore<kRows> rows_;
   ProposalRows proposal_;

@@ -8,7 +8,6 @@
 #include <time.h>
 
 #include <array>
-#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <mutex>
@@ -17,45 +16,13 @@
 
 #include "platform/base/memory_block.h"
 #include "slam/slam.h"
+#include "tests/support/hall.h"
 
 namespace zenith {
 namespace {
 
 constexpr int kFrames = 240;
 constexpr double kStep_m = 0.05;
-constexpr double kCeiling_m = 2.4;  // above the camera
-constexpr double kTile_m = 0.23;
-
-// Tiles of random grey, as a camera below sees them. Rays are made once.
-class Hall {
- public:
-  explicit Hall(const Lens& lens) : lens_(lens), pixels_(rays()) {}
-
-  ImageView seen_from(double x_m) {
-    for (std::size_t i = 0; i < pixels_.size(); ++i) {
-      const auto column = static_cast<long>(std::floor((rays_[i].x() + x_m) / kTile_m));
-      const auto row = static_cast<long>(std::floor(rays_[i].y() / kTile_m));
-      const auto tile = static_cast<std::uint64_t>(column * 73856093L ^ row * 19349663L);
-      pixels_[i] = static_cast<std::uint8_t>((tile * 0x9E3779B97F4A7C15U) >> 56U);
-    }
-    return {pixels_.data(), lens_.width_px, lens_.height_px, lens_.width_px};
-  }
-
- private:
-  std::size_t rays() {
-    for (int v = 0; v < lens_.height_px; ++v) {
-      for (int u = 0; u < lens_.width_px; ++u) {
-        const Eigen::Vector3d ray = lens_.unproject({u, v});
-        rays_.push_back(ray.head<2>() * kCeiling_m / std::max(ray.z(), 0.05));
-      }
-    }
-    return rays_.size();
-  }
-
-  Lens lens_;
-  std::vector<Eigen::Vector2d> rays_;  // where they meet the ceiling
-  std::vector<std::uint8_t> pixels_;
-};
 
 // The entry. All that it calls is checked.
 void step(Slam& slam, const StepInput& input, std::span<LandmarkRecord> records,
@@ -91,7 +58,8 @@ int drive() {
     const Time stamp = {std::int64_t{i + 1} * 100'000'000};
     const WheelSample sample = {stamp, kStep_m * i, kStep_m * i};
     std::size_t now = 0;
-    step(slam, {stamp, hall.seen_from(kStep_m * i), {&sample, 1}, kMaxCorners}, records, now);
+    step(slam, {stamp, hall.seen_from({kStep_m * i, 0.0, 0.0}), {&sample, 1}, kMaxCorners}, records,
+         now);
     told += now;
   }
   const bool searched = !slam.alignments().empty();

@@ -43,7 +43,7 @@ Room room_of(std::string_view path) {
     std::string_view prefix;
     Room room;
   };
-  static constexpr std::array<Entry, 24> kRooms = {{
+  static constexpr std::array<Entry, 26> kRooms = {{
       {"platform/base/", Room::kBase},
       {"slam/kernels/", Room::kSlamKernels},
       {"slam/image/", Room::kSlamImage},
@@ -51,7 +51,9 @@ Room room_of(std::string_view path) {
       {"slam/map/", Room::kSlamMap},
       {"slam/fleet/", Room::kSlamFleet},
       {"slam/exchange/", Room::kSlamExchange},
+      {"slam/bounds.", Room::kSlamCommon},
       {"slam/capacity.", Room::kSlamCommon},
+      {"slam/counters.", Room::kSlamCommon},
       {"slam/geometry.", Room::kSlamCommon},
       {"slam/parameters.", Room::kSlamCommon},
       {"slam/robot.", Room::kSlamCommon},

@@ -1,6 +1,7 @@
 #include "slam/parameters.h"
 
 #include <algorithm>
+#include <limits>
 #include <set>
 #include <string>
 #include <utility>
@@ -67,6 +68,27 @@ TEST(Parameters, DefaultsLieInTheirRanges) {
     EXPECT_GE(value, info.min) << info.key;
     EXPECT_LE(value, info.max) << info.key;
   }
+}
+
+// The core takes no parameter beyond its range, whoever gives it.
+TEST(Parameters, BeyondTheirRangeTheyStopAtItsEnd) {
+  int limited = -1;
+  const Parameters same = within_limits(Parameters{}, &limited);
+  EXPECT_EQ(limited, 0);
+  EXPECT_EQ(same.particles, Parameters{}.particles);
+  Parameters p;
+  p.particles = -3;
+  p.corners_max = 1'000'000;
+  p.gate_sigma = std::numeric_limits<double>::quiet_NaN();
+  p.max_height_m = std::numeric_limits<double>::infinity();
+  p.loop_drift = 1e300;
+  const Parameters kept = within_limits(p, &limited);
+  EXPECT_EQ(limited, 5);
+  EXPECT_EQ(kept.particles, 1);
+  EXPECT_EQ(kept.corners_max, 128);
+  EXPECT_EQ(kept.gate_sigma, Parameters{}.gate_sigma);
+  EXPECT_EQ(kept.max_height_m, 100.0);
+  EXPECT_EQ(kept.loop_drift, 0.1);
 }
 
 // A table's row names the field that its key names: the rows follow the struct's order.

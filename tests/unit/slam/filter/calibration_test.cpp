@@ -2,6 +2,8 @@
 
 #include "slam/filter/calibration.h"
 
+#include <limits>
+
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -227,6 +229,37 @@ TEST(Calibration, PoseGainSolvesTheNormalEquations) {
   }
   const PoseSensitivity expected = xx.inverse() * xb;
   EXPECT_LT((estimator.pose_gain() - expected).norm(), 1e-9 * expected.norm());
+}
+
+// What cannot be learned leaves what was learned, and the estimator begins again when told to.
+TEST(Calibration, AStepThatIsNoNumberIsNotTaken) {
+  const auto frame = [](CalibrationEstimator& estimator, double residual) {
+    estimator.begin_frame(1e4 * Eigen::Matrix3d::Identity());
+    for (int n = 0; n < 30; ++n) {
+      const Eigen::Vector2d z(0.1 * (n % 7 - 3), 0.2 * (n % 5 - 2));
+      Eigen::Matrix<double, 2, 3> G;
+      G << -0.4, 0.0, z.y(), 0.0, -0.4, -z.x();
+      estimator.add(residual * Eigen::Vector2d(1.0 + z.x(), z.y()), G, -calibration_effect(z),
+                    1e4 * Eigen::Matrix2d::Identity());
+    }
+    return estimator.end_frame();
+  };
+  CalibrationEstimator estimator;
+  estimator.reset({.tilt_rad = 0.004, .focal = 0.01, .principal = 0.004});
+  frame(estimator, 1e-3);
+  const CalibrationVector learned = estimator.beta();
+  EXPECT_FALSE(learned.isZero(0.0));
+  for (const double bad : {std::numeric_limits<double>::quiet_NaN(), 1e9}) {
+    EXPECT_TRUE(frame(estimator, bad).isZero(0.0)) << bad;
+    EXPECT_TRUE(estimator.broken());
+    EXPECT_EQ(estimator.beta(), learned);
+    estimator.restart();
+    EXPECT_FALSE(frame(estimator, 1e-3).isZero(0.0));
+    EXPECT_FALSE(estimator.broken());
+    EXPECT_TRUE(estimator.covariance().allFinite());
+    estimator.reset({.tilt_rad = 0.004, .focal = 0.01, .principal = 0.004});
+    frame(estimator, 1e-3);
+  }
 }
 
 TEST(Calibration, ZeroTiltSwitchesItOff) {

@@ -161,6 +161,67 @@ TEST(WheelHistory, RefusesWhatIsNotNewerOrNoNumber) {
   EXPECT_EQ(history.at(Time{10 * kMs}).total.left_m, 0.0);
 }
 
+// What a wheel cannot do is no travel: the total goes on from there.
+TEST(WheelHistory, ATotalThatJumpsGoesOnFromThere) {
+  WheelHistory history;
+  EXPECT_TRUE(history.add(sample(0, 7.0, 7.0)));
+  EXPECT_TRUE(history.add(sample(10, 7.1, 7.2)));
+  EXPECT_TRUE(history.add(sample(20, 1e6, -1e8)));
+  EXPECT_EQ(history.jumps(), 1u);
+  EXPECT_TRUE(history.add(sample(30, 1e6 + 0.1, -1e8 + 0.1)));
+  const auto at = history.at(Time{30 * kMs});
+  EXPECT_NEAR(at.total.left_m, 7.2, 1e-7);
+  EXPECT_NEAR(at.total.right_m, 7.3, 1e-7);
+  EXPECT_FALSE(history.add(sample(40, 1e300, 0.0)));
+  EXPECT_EQ(history.jumps(), 1u);
+  // After a pause a robot may be far away.
+  EXPECT_TRUE(history.add(sample(5'000, 1e6 + 20.0, -1e8 + 20.0)));
+  EXPECT_EQ(history.jumps(), 1u);
+}
+
+TEST(WheelHistory, TwoSamplesRightAfterEachOtherTellNoSpeed) {
+  WheelHistory history;
+  history.add({Time{1'000'000}, 0.0, 0.0});
+  history.add({Time{1'000'001}, 0.01, 0.01});
+  EXPECT_NEAR(history.at(Time{50 * kMs}).total.left_m, 0.01, 1e-12) << "not 490 km further";
+}
+
+// One sample from the future must not silence the wheels for years.
+TEST(WheelHistory, FollowsAClockThatWasSetBack) {
+  WheelHistory history;
+  history.add(sample(0, 0.0, 0.0));
+  history.add(sample(10, 0.1, 0.1));
+  EXPECT_TRUE(history.add(sample(1'000'000'000'000, 0.2, 0.2)));
+  int refused = 0;
+  int ms = 20;
+  while (!history.add(sample(ms, 0.3, 0.3)) && refused < 100) {
+    ++refused;
+    ms += 10;
+  }
+  EXPECT_EQ(refused, kOtherClockSamples - 1);
+  EXPECT_TRUE(history.add(sample(ms + 10, 0.4, 0.5)));
+  const auto at = history.at(Time{(ms + 10) * kMs});
+  EXPECT_NEAR(at.total.left_m, 0.4, 1e-12);
+  EXPECT_NEAR(at.total.right_m, 0.5, 1e-12);
+  EXPECT_EQ(history.jumps(), 0u);
+}
+
+// What merely comes out of order is refused for good.
+TEST(WheelHistory, LateSamplesAreNoOtherClock) {
+  WheelHistory history;
+  history.add(sample(10'000, 0.0, 0.0));
+  for (int i = 0; i < 1000; ++i) EXPECT_FALSE(history.add(sample(9'100 + i % 800, 1.0, 1.0))) << i;
+  for (int i = 0; i < 1000; ++i) EXPECT_FALSE(history.add(sample(1'000 - i, 1.0, 1.0))) << i;
+}
+
+TEST(WheelHistory, RefusesStampsWhoseDifferencesDoNotFit) {
+  WheelHistory history;
+  history.add(sample(0, 0.0, 0.0));
+  EXPECT_FALSE(history.add({Time{std::numeric_limits<std::int64_t>::max()}, 0.0, 0.0}));
+  EXPECT_FALSE(history.add({Time{std::numeric_limits<std::int64_t>::min()}, 0.0, 0.0}));
+  EXPECT_TRUE(history.add(sample(10, 0.0, 0.0)));
+}
+
 TEST(WheelHistory, FullForgetsTheOldest) {
   WheelHistory history;
   constexpr int kSamples = 3 * kMaxWheelSamples + 17;

@@ -1,5 +1,6 @@
 #include "slam/filter/particles.h"
 
+#include <limits>
 #include <numbers>
 
 #include <gtest/gtest.h>
@@ -22,7 +23,8 @@ TEST(Particles, WeightsAreNormalisedFromLogs) {
   for (std::size_t i = 0; i < 4; ++i) {
     p.log_weight[i] = offset + std::log(static_cast<double>(i + 1));
   }
-  const double effective = normalise_weights(p);
+  RepairCounters repairs;
+  const double effective = normalise_weights(p, repairs);
   double sum = 0.0;
   for (std::size_t i = 0; i < 4; ++i) {
     EXPECT_NEAR(p.weight[i], static_cast<double>(i + 1) / 10.0, 1e-9);
@@ -35,11 +37,44 @@ TEST(Particles, WeightsAreNormalisedFromLogs) {
 
 TEST(Particles, EqualWeightsCountAllAndOneCountsOne) {
   Set set(50);
+  RepairCounters repairs;
   for (double& w : set.particles.log_weight) w = -7.0;
-  EXPECT_NEAR(normalise_weights(set.particles), 50.0, 1e-9);
+  EXPECT_NEAR(normalise_weights(set.particles, repairs), 50.0, 1e-9);
   set.particles.log_weight[17] = 1e4;
-  EXPECT_NEAR(normalise_weights(set.particles), 1.0, 1e-12);
+  EXPECT_NEAR(normalise_weights(set.particles, repairs), 1.0, 1e-12);
   EXPECT_EQ(set.particles.weight[17], 1.0);
+  EXPECT_EQ(repairs.total(), 0u);
+}
+
+// Whichever particle it is, also the first and the heaviest: the others keep their weights.
+TEST(Particles, AWeightThatIsNoNumberIsNone) {
+  constexpr double kInfinite = std::numeric_limits<double>::infinity();
+  for (const double bad : {std::numeric_limits<double>::quiet_NaN(), kInfinite, -kInfinite}) {
+    for (const std::size_t i : {0u, 1u, 3u}) {
+      Set set(4);
+      Particles& p = set.particles;
+      for (std::size_t k = 0; k < 4; ++k) p.log_weight[k] = -1e3;
+      p.log_weight[i] = bad;
+      RepairCounters repairs;
+      EXPECT_NEAR(normalise_weights(p, repairs), 3.0, 1e-12);
+      for (std::size_t k = 0; k < 4; ++k) EXPECT_NEAR(p.weight[k], k == i ? 0.0 : 1.0 / 3.0, 1e-12);
+      EXPECT_EQ(repairs.weights_zeroed, bad == -kInfinite ? 0u : 1u);
+      EXPECT_EQ(repairs.weights_equalised, 0u);
+      EXPECT_NEAR(normalise_weights(p, repairs), 3.0, 1e-12) << "it stays so";
+    }
+  }
+}
+
+TEST(Particles, WithoutAnyWeightAllAreAlike) {
+  for (const double bad :
+       {std::numeric_limits<double>::quiet_NaN(), -std::numeric_limits<double>::infinity()}) {
+    Set set(5);
+    for (double& w : set.particles.log_weight) w = bad;
+    RepairCounters repairs;
+    EXPECT_NEAR(normalise_weights(set.particles, repairs), 5.0, 1e-12);
+    EXPECT_NEAR(set.particles.weight[4], 0.2, 1e-12);
+    EXPECT_EQ(repairs.weights_equalised, 1u);
+  }
 }
 
 TEST(Particles, MeanHeadingCrossesPi) {

@@ -1,6 +1,7 @@
 #include "slam/fleet/align.h"
 
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -114,6 +115,24 @@ TEST(Align, TellsWhenPairsFixNothing) {
   EXPECT_FALSE(fit_alignment(one, {}).ok);
   std::vector<PointPair> here(5);  // all in one place: the angle is free
   EXPECT_FALSE(fit_alignment(here, {}).ok);
+}
+
+// Landmarks that are told without any uncertainty, or as no numbers, make no alignment.
+TEST(Align, WhatHasNoFiniteFitIsNotOk) {
+  for (const double bad :
+       {0.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    std::vector<PointPair> pairs(8);
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      pairs[i].a = {static_cast<double>(i), static_cast<double>(i * i)};
+      pairs[i].b = pairs[i].a + Eigen::Vector2d(0.1, 0.01 * static_cast<double>(i));
+      pairs[i].covariance_a *= bad;
+      pairs[i].covariance_b *= bad;
+    }
+    const AlignmentFit fit = fit_alignment(pairs, {});
+    EXPECT_TRUE(std::isfinite(fit.T_a_b.x_m + fit.T_a_b.y_m + fit.T_a_b.theta_rad)) << bad;
+    EXPECT_TRUE(fit.covariance.allFinite()) << bad;
+    EXPECT_FALSE(fit.ok) << bad;
+  }
 }
 
 TEST(Align, TransformJacobianAgreesWithNumbers) {

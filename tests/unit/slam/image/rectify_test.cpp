@@ -1,6 +1,7 @@
 #include "slam/image/rectify.h"
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <vector>
 
@@ -138,6 +139,42 @@ TEST(Rectify, PaddedFramesReadTheSame) {
   dense.rectifier.apply(a.view(), dense.view());
   padded.rectifier.apply(b.view(), padded.view());
   EXPECT_EQ(dense.out, padded.out);
+}
+
+// Frames of another size than the lens says, and none at all, are not read.
+TEST(Rectify, WhatDoesNotFitIsNotRead) {
+  const Lens lens;
+  Rig rig;
+  rig.rectifier.build(lens, {}, Pinhole::from_fov(2.0));
+  const Ramp ramp(lens, 0, true);
+  const ImageView good = ramp.view();
+  ASSERT_TRUE(rig.rectifier.fits(good));
+  rig.rectifier.apply(good, rig.view());
+  const auto before = rig.out;
+  for (const ImageView& bad :
+       {ImageView{nullptr, good.width, good.height, good.stride},
+        ImageView{good.data, good.width - 1, good.height, good.stride},
+        ImageView{good.data, good.width, good.height + 1, good.stride},
+        ImageView{good.data, good.width, good.height, good.width - 1},
+        ImageView{good.data, good.width, good.height, -good.stride}, ImageView{}}) {
+    EXPECT_FALSE(rig.rectifier.fits(bad));
+    rig.rectifier.apply(bad, rig.view());
+    EXPECT_EQ(rig.out, before);
+  }
+}
+
+// A lens that projects to no numbers sees nothing; it does not read beside the frame.
+TEST(Rectify, ALensThatIsNoNumberSeesNothing) {
+  for (const double bad :
+       {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), 1e300}) {
+    Lens lens;
+    lens.k[1] = bad;
+    Rig rig;
+    rig.rectifier.build(lens, {}, Pinhole::from_fov(2.0));
+    EXPECT_FALSE(rig.rectifier.sees(20, 20, 2)) << bad;
+    rig.rectifier.apply(Ramp(Lens{}, 0, true).view(), rig.view());
+    EXPECT_EQ(rig.at(20, 20), 0) << bad;
+  }
 }
 
 TEST(Rectify, WhatTheLensDoesNotSeeIsBlack) {
