@@ -55,6 +55,9 @@ Health judge_health(const PerceptionReport& report, const Lately& lately, Time s
   if (std::max(without_frames, without_wheels) > kFaultAfter) return {RobotLight::kFault, reason};
   if (!report.has_pose) return {RobotLight::kStarting, reason};
   if (!reason.empty()) return {RobotLight::kDegraded, reason};
+  if (report.repaired && now - report.last_repair < kDegradedAfterRepair) {
+    return {RobotLight::kDegraded, "the filter had to repair its numbers"};
+  }
   const double missed = static_cast<double>(lately.missed);
   if (lately.frames > 0 && missed > kMissedShare * static_cast<double>(lately.frames)) {
     return {RobotLight::kDegraded, "deadlines are missed"};

@@ -19,6 +19,8 @@ struct Health {
 inline constexpr Duration kFaultAfter = {15'000'000'000};
 // No frame, or no wheels, for so long: something is missing.
 inline constexpr Duration kDegradedAfter = {1'500'000'000};
+// A filter that had to repair its numbers is watched for so long.
+inline constexpr Duration kDegradedAfterRepair = {10'000'000'000};
 // A reason that perception does not know of.
 inline constexpr const char* kMapNotKept = "the map cannot be kept";
 

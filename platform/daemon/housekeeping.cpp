@@ -55,6 +55,8 @@ const char* event_name(PerceptionEventKind kind) {
       return "load-shed";
     case PerceptionEventKind::kShedNoMore:
       return "load-shed-no-more";
+    case PerceptionEventKind::kRepaired:
+      return "filter-repaired";
   }
   return "";
 }
@@ -63,6 +65,9 @@ const char* event_name(PerceptionEventKind kind) {
 LogFields fields_of(const PerceptionEvent& event, const char* peer) {
   LogFields fields(event_name(event.kind));
   if (event.kind == PerceptionEventKind::kShedding) fields.number("ZENITH_CORNERS", event.value);
+  if (event.kind == PerceptionEventKind::kRepaired) {
+    fields.text("ZENITH_REPAIR", event.text).number("ZENITH_REPAIRS", event.value);
+  }
   const bool merged = event.kind == PerceptionEventKind::kMerged;
   if (merged || event.kind == PerceptionEventKind::kWithdrawn) fields.text("ZENITH_PEER", peer);
   if (merged) {
@@ -174,6 +179,11 @@ void Housekeeping::log_event(const PerceptionEvent& event) const {
                       "a step takes too long: %d corners for each frame", event.value);
     case PerceptionEventKind::kShedNoMore:
       return log_line(LogLevel::kNotice, fields, "steps are quick enough again: all corners");
+    case PerceptionEventKind::kRepaired:
+      return log_line(LogLevel::kWarning, fields,
+                      "numbers of the filter were not finite or beyond their bounds, and are "
+                      "repaired: %s; %d repairs since the start",
+                      event.text, event.value);
   }
 }
 

@@ -215,10 +215,12 @@ void Perception::use_frame() {
   if (picture_asked_.load(std::memory_order_relaxed)) leave_picture();
 
   const bool first = !report_.has_pose;
-  note_step(report_, output);
+  if (output.accepted) note_step(report_, output);
   note_alignments();
+  note_repairs();
 
-  if (tap_ != nullptr) tap_->add(tap::TappedPose{output.stamp, output.T_start_robot});
+  if (tap_ != nullptr && output.accepted)
+    tap_->add(tap::TappedPose{output.stamp, output.T_start_robot});
 
   const Time end = monotonic_now();
   const Duration cpu = {thread_cpu_time().ns - cpu_start.ns};
@@ -226,7 +228,7 @@ void Perception::use_frame() {
   report_.step = end - start;
   report_.period = period_.value();
   note_load(end - start);
-  if (first) tell(PerceptionEventKind::kFirstPose);
+  if (first && report_.has_pose) tell(PerceptionEventKind::kFirstPose);
   write_report(end);
 }
 
@@ -300,6 +302,19 @@ void Perception::note_alignments() {
     if (peer.peer < kPeerSlots) state.peers.push_back(peer);
   }
   exchange_.own_state.write(state);
+}
+
+// Since the last report: what the counters say of the filter's numbers.
+void Perception::note_repairs() {
+  const RepairCounters before = report_.steps.mapper.repairs;
+  const RepairCounters after = slam_->counters().mapper.repairs;
+  for (const RepairKind& kind : kRepairKinds) {
+    if (after.*kind.count == before.*kind.count) continue;
+    report_.repaired = true;
+    report_.last_repair = monotonic_now();
+    return tell(PerceptionEventKind::kRepaired, kind.name.data(), 0,
+                static_cast<int>(after.total()));
+  }
 }
 
 void Perception::note_load(Duration wall) {

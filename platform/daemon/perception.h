@@ -98,6 +98,7 @@ class Perception {
   void publish();
   void leave_picture();
   void note_alignments();
+  void note_repairs();
   void note_load(Duration wall);
   void write_report(Time now);
   void tell(PerceptionEventKind kind, const char* text = "", int peer = 0, int value = 0);

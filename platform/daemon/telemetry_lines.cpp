@@ -69,7 +69,12 @@ void write_map(JsonLine& line, const StepCounters& steps) {
   const MapperCounters& m = steps.mapper;
   line.begin("map")
       .count("frames", steps.frames)
+      .count("frames_refused", steps.frames_refused)
       .count("odometry_extrapolated", steps.odometry_extrapolated)
+      .count("odometry_rejected", steps.odometry_rejected)
+      .count("odometry_jumps", steps.odometry_jumps)
+      .count("records_refused", steps.records_refused)
+      .count("calls_refused", steps.calls_refused)
       .count("created", m.landmarks_created)
       .count("promoted", m.landmarks_promoted)
       .count("pruned", m.landmarks_pruned)
@@ -80,6 +85,9 @@ void write_map(JsonLine& line, const StepCounters& steps) {
       .count("begun_anew", m.begun_anew)
       .count("resamplings", m.resamplings)
       .end();
+  line.begin("repairs");
+  for (const RepairKind& kind : kRepairKinds) line.count(kind.name, m.repairs.*kind.count);
+  line.end();
 }
 
 void write_histogram(JsonLine& line, std::string_view key, const LatencyHistogram& live) {

@@ -105,9 +105,16 @@ std::string confidence_text(const TeamLog& log, std::size_t own) {
 }
 
 nlohmann::json counters_json(const StepCounters& c) {
+  nlohmann::json repairs;
+  for (const RepairKind& kind : kRepairKinds) repairs[kind.name] = c.mapper.repairs.*kind.count;
   return {{"frames", c.frames},
+          {"frames_refused", c.frames_refused},
           {"odometry_extrapolated", c.odometry_extrapolated},
           {"odometry_rejected", c.odometry_rejected},
+          {"odometry_jumps", c.odometry_jumps},
+          {"records_refused", c.records_refused},
+          {"parameters_limited", c.parameters_limited},
+          {"repairs", repairs},
           {"slips", c.mapper.slips},
           {"begun_anew", c.mapper.begun_anew},
           {"loops_closed", c.mapper.loops_closed},

@@ -52,6 +52,18 @@ TEST(Health, MapsAndMerges) {
   EXPECT_THAT(status_text(report, at(report, now)), HasSubstr("merged with 1 peer"));
 }
 
+// For a while, so that somebody sees it.
+TEST(Health, IsDegradedAfterTheFilterHadToRepairItsNumbers) {
+  const Time now = kStart + Duration{60 * kSecond};
+  PerceptionReport report = mapping(now);
+  report.repaired = true;
+  report.last_repair = now - Duration{kSecond};
+  EXPECT_EQ(at(report, now).light, RobotLight::kDegraded);
+  EXPECT_EQ(at(report, now).reason, "the filter had to repair its numbers");
+  report.last_repair = now - kDegradedAfterRepair;
+  EXPECT_EQ(at(report, now).light, RobotLight::kMapping);
+}
+
 TEST(Health, SaysWhatIsMissing) {
   const Time now = kStart + Duration{60 * kSecond};
   PerceptionReport report = mapping(now);

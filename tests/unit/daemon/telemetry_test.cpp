@@ -174,6 +174,28 @@ TEST(TelemetryLines, APoseTellsTheWheelsAndAClockWhatToAdd) {
   EXPECT_THAT(said, HasSubstr(R"("system_offset_ns":1767225600123456789)"));
 }
 
+// All that the core refuses or repairs is told, each kind by its name.
+TEST(TelemetryLines, HealthTellsWhatWasRefusedAndRepaired) {
+  PerceptionReport report;
+  report.steps.frames_refused = 3;
+  report.steps.odometry_rejected = 4;
+  report.steps.odometry_jumps = 5;
+  report.steps.records_refused = 6;
+  report.steps.calls_refused = 7;
+  report.steps.mapper.repairs.weights_zeroed = 8;
+  report.steps.mapper.repairs.landmarks_dropped = 9;
+  JsonLine line;
+  write_health(line, report, {RobotLight::kMapping, ""}, {});
+  const std::string said(line.finish());
+  EXPECT_THAT(said, HasSubstr(R"("frames_refused":3,"odometry_extrapolated":0,)"
+                              R"("odometry_rejected":4,"odometry_jumps":5,"records_refused":6,)"
+                              R"("calls_refused":7,"created":0)"));
+  EXPECT_THAT(said, HasSubstr(R"("repairs":{"travels_refused":0,"particles_moved":0,)"
+                              R"("weights_zeroed":8,)"));
+  EXPECT_THAT(said, HasSubstr(R"("landmarks_dropped":9,"maps_reset":0})"));
+  EXPECT_EQ(report.steps.mapper.repairs.total(), 17u);
+}
+
 // The longest lines that there can be fit.
 TEST(TelemetryLines, FitWithTheLargestNumbers) {
   PerceptionReport report;
