@@ -6,11 +6,11 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cassert>
 #include <cerrno>
 #include <string_view>
 #include <utility>
 
+#include "platform/base/ensure.h"
 #include "platform/linux/errno_text.h"
 #include "platform/linux/unique_fd.h"
 
@@ -183,9 +183,7 @@ bool SecretKey::operator==(const SecretKey& other) const {
 }
 
 void prepare_cryptography() {
-  const int status = sodium_init();
-  assert(status >= 0);
-  (void)status;
+  ensure(sodium_init() >= 0, "libsodium cannot be used: no randomness?");
 }
 
 std::uint64_t secret_number() {

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cassert>
 
+#include "platform/base/ensure.h"
+
 namespace zenith {
 namespace {
 
@@ -114,7 +116,7 @@ bool Handshake::reaches(Time now, const SenderId& sender, const Endpoint& at,
 }
 
 void Handshake::Ring::put(const Answer& answer) {
-  assert(!full());
+  ensure(!full(), "Handshake: whether there is room is asked before");
   answers[(first + count) % answers.size()] = answer;
   ++count;
 }

@@ -6,6 +6,7 @@
 #include <array>
 #include <cassert>
 
+#include "platform/base/ensure.h"
 #include "slam/exchange/bytes.h"
 
 namespace zenith {
@@ -97,8 +98,8 @@ bool read_header(std::span<const std::uint8_t> datagram, FrameHeader& out) {
 
 std::size_t seal(const SecretKey& sender_key, const FrameHeader& header,
                  std::span<const std::uint8_t> payload, std::span<std::uint8_t> out) {
-  assert(payload.size() <= kMaxPayloadBytes);
-  assert(out.size() >= kHeaderBytes + payload.size() + kTagBytes);
+  ensure(payload.size() <= kMaxPayloadBytes, "seal: a payload has at most kMaxPayloadBytes");
+  ensure(out.size() >= kHeaderBytes + payload.size() + kTagBytes, "seal: the datagram has no room");
   write_header(header, out);
   const Nonce nonce = nonce_of(out.data());
   unsigned long long sealed = 0;
@@ -110,12 +111,12 @@ std::size_t seal(const SecretKey& sender_key, const FrameHeader& header,
 
 bool open(const SecretKey& sender_key, std::span<const std::uint8_t> datagram,
           std::span<std::uint8_t> payload, std::size_t& payload_bytes) {
-  assert(datagram.size() >= kHeaderBytes + kTagBytes);
+  payload_bytes = 0;
+  if (datagram.size() < kHeaderBytes + kTagBytes) return false;
   const std::size_t expected = datagram.size() - kHeaderBytes - kTagBytes;
-  assert(payload.size() >= expected);
+  if (payload.size() < expected) return false;
   const Nonce nonce = nonce_of(datagram.data());
   const std::uint8_t* sealed = datagram.data() + kHeaderBytes;
-  payload_bytes = 0;
   if (crypto_aead_chacha20poly1305_ietf_decrypt_detached(
           payload.data(), nullptr, sealed, expected, sealed + expected, datagram.data(),
           kHeaderBytes, nonce.data(), sender_key.bytes().data()) != 0) {

@@ -97,6 +97,22 @@ TEST(Sealing, OpensWhatItSealed) {
   EXPECT_EQ(std::vector<std::uint8_t>(payload.begin(), payload.begin() + size), kPayload);
 }
 
+// A datagram without room for a header and a tag, and a place too small for what is in it.
+TEST(Sealing, LengthsThatCannotBeOpenNothing) {
+  const auto datagram = golden_datagram();
+  FrameHeader header;
+  ASSERT_TRUE(read_header(datagram, header));
+  const SecretKey key = sender_key(golden_fleet_key(), header.sender);
+  std::array<std::uint8_t, kMaxPayloadBytes> payload = {};
+  std::size_t size = 7;
+  for (std::size_t length = 0; length < kHeaderBytes + kTagBytes; ++length) {
+    EXPECT_FALSE(open(key, std::span(datagram).first(length), payload, size)) << length;
+    EXPECT_EQ(size, 0u);
+  }
+  EXPECT_FALSE(open(key, datagram, std::span(payload).first(kPayload.size() - 1), size));
+  EXPECT_EQ(payload[1], 0u) << "nothing was written";
+}
+
 TEST(Sealing, AnyBitThatIsFlippedShows) {
   const auto good = golden_datagram();
   std::array<std::uint8_t, kMaxPayloadBytes> payload;
