@@ -7,6 +7,7 @@
 
 #include "platform/storage/checksum.h"
 #include "platform/storage/map_file.h"
+#include "slam/bounds.h"
 #include "tests/fuzz/require.h"
 
 using namespace zenith;           // NOLINT(google-build-using-namespace)
@@ -50,6 +51,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     return 0;
   }
   require(decoded.map.landmarks.size() <= kMaxStoredLandmarks);
+  for (const LandmarkRecord& r : decoded.map.landmarks) {
+    for (const float p : {r.x_m, r.y_m, r.z_m}) require(is_within(p, kFarthest_m));
+    require(is_covariance(r.covariance_m2));
+    require(r.appearance_count <= kPublishedAppearances);
+  }
   const auto again = encode_map(decoded.map);
   const DecodedMap twice = decode_map(again);
   require(twice.fault == MapFault::kNone);
