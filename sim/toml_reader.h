@@ -8,8 +8,7 @@
 #include <utility>
 #include <vector>
 
-#define TOML_EXCEPTIONS 0
-#include <toml++/toml.h>
+#include "platform/config/toml_text.h"
 
 namespace zenith::sim {
 

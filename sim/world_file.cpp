@@ -1,13 +1,23 @@
 #include "sim/world_file.h"
 
+#include <algorithm>
+#include <cmath>
 #include <numbers>
 
+#include "platform/base/printable.h"
 #include "sim/toml_reader.h"
 
 namespace zenith::sim {
 namespace {
 
 constexpr double kRadPerDeg = std::numbers::pi / 180.0;
+
+// What a world may take of the memory: its ceilings are painted before the first frame.
+constexpr double kFarthest_m = 1000.0;
+constexpr double kMostFloor_m2 = 5000.0;
+constexpr std::size_t kMostParts = 500;  // rooms, doors, boxes
+constexpr std::size_t kMostRobots = 64;
+constexpr std::size_t kMostPoints = 1000;  // of a robot's way
 
 constexpr std::pair<std::string_view, CeilingStyle> kCeilingNames[] = {
     {"tiles", CeilingStyle::kTiles},
@@ -32,6 +42,10 @@ void read_rect(TomlReader& in, Rect& rect) {
   if (!in.numbers("rect", v, 4, true)) return;
   if (v[2] <= v[0] || v[3] <= v[1]) {
     in.fail("rect", "expected [x0, y0, x1, y1] with x1 > x0 and y1 > y0");
+    return;
+  }
+  if (std::any_of(v, v + 4, [](double at) { return std::abs(at) > kFarthest_m; })) {
+    in.fail("rect", "expected coordinates within 1000 m");
     return;
   }
   rect = {v[0], v[1], v[2], v[3]};
@@ -125,13 +139,22 @@ void read_wheels(const toml::table& table, TomlErrors& errors, WheelSpec& wheels
   in.finish();
 }
 
+// Its recording is a folder of that name.
+bool names_a_folder(const std::string& name) {
+  return is_robot_name(name) && name.find('/') == std::string::npos && name != "." && name != "..";
+}
+
 RobotSpec read_robot(const toml::table& table, TomlErrors& errors) {
   TomlReader in(table, errors);
   RobotSpec robot;
   in.text("name", robot.name, true);
+  if (in.has("name") && !names_a_folder(robot.name)) {
+    in.fail("name", "expected 1 to 32 bytes of printable UTF-8 that can name a folder");
+  }
   std::vector<std::pair<double, double>> points;
   in.points("path", points);
   for (const auto& [x, y] : points) robot.path.emplace_back(x, y);
+  if (points.size() > kMostPoints) in.fail("path", "expected at most 1000 points");
   in.number("speed_mps", robot.speed_mps, 0.05, 2.0);
   in.number("jitter_m", robot.jitter_m, 0.0, 1.0);
   robot.has_start_heading = in.has("start_heading_deg");
@@ -164,6 +187,15 @@ WorldFile read_world(const toml::table& table, TomlErrors& errors) {
   if (const auto* wheels = in.table("wheels")) read_wheels(*wheels, errors, world.wheels);
   for (const auto* robot : in.tables("robot")) world.robots.push_back(read_robot(*robot, errors));
   if (world.rooms.empty()) in.fail("room", "expected at least one [[room]]");
+  double floor_m2 = 0.0;
+  for (const RoomSpec& room : world.rooms) {
+    floor_m2 += (room.rect.x1 - room.rect.x0) * (room.rect.y1 - room.rect.y0);
+  }
+  if (floor_m2 > kMostFloor_m2) in.fail("room", "expected rooms of 5000 m2 at most, in all");
+  if (std::max({world.rooms.size(), world.doors.size(), world.boxes.size()}) > kMostParts) {
+    in.fail("room", "expected at most 500 rooms, 500 doors and 500 boxes");
+  }
+  if (world.robots.size() > kMostRobots) in.fail("robot", "expected at most 64 robots");
   if (world.robots.empty()) in.fail("robot", "expected at least one [[robot]]");
   in.finish();
   return world;
@@ -172,12 +204,10 @@ WorldFile read_world(const toml::table& table, TomlErrors& errors) {
 }  // namespace
 
 Result<WorldFile> load_world_file(const std::filesystem::path& path) {
-  toml::parse_result parsed = toml::parse_file(path.string());
-  if (!parsed) {
-    const toml::parse_error& error = parsed.error();
-    return Error{path.string() + ":" + std::to_string(error.source().begin.line) + ": " +
-                 std::string(error.description())};
-  }
+  const auto text = read_toml(path);
+  if (!text) return text.error();
+  const toml::parse_result parsed = parse_toml(*text);
+  if (!parsed) return toml_error(path, parsed.error());
   TomlErrors errors(path.string());
   WorldFile world = read_world(parsed.table(), errors);
   if (!errors.empty()) return Error{errors.text()};

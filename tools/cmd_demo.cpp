@@ -4,13 +4,13 @@
 #include <atomic>
 #include <cstdio>
 #include <cstdlib>
-#include <fstream>
 #include <memory>
 #include <numbers>
 #include <sstream>
 #include <string>
 #include <thread>
 
+#include "platform/linux/input_file.h"
 #include "tools/atomic_output.h"
 #include "tools/commands.h"
 #include "tools/fleet/child_process.h"
@@ -127,15 +127,16 @@ Result<ReplayResult> simulate_and_map(const DemoCommand& command,
   return replay(plan, folder, [&](double fraction) { progress.update(fraction); });
 }
 
+constexpr std::uint64_t kMaxLogBytes = std::uint64_t{16} << 20U;
+
 // What daemons said, when something went wrong.
 std::string daemon_logs(const std::filesystem::path& folder) {
   std::string text;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     if (entry.path().extension() != ".log") continue;
-    std::ifstream file(entry.path());
-    std::ostringstream content;
-    content << file.rdbuf();
-    text += entry.path().filename().string() + ":\n" + content.str();
+    const auto content = read_input(entry.path().string(), kMaxLogBytes);
+    text += entry.path().filename().string() + ":\n" +
+            (content ? *content : content.error().message + "\n");
   }
   return text;
 }

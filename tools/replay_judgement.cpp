@@ -2,22 +2,24 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <fstream>
 #include <map>
 #include <optional>
 #include <utility>
 
 #include <nlohmann/json.hpp>
 
+#include "platform/linux/input_file.h"
 #include "platform/recording/ground_truth.h"
 #include "platform/recording/recording.h"
 #include "platform/recording/seconds.h"
-#include "platform/recording/text_file.h"
 
 namespace zenith::tools {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr LineLimits kAlignmentLimits = {std::uint64_t{256} << 20U};
+constexpr std::uint64_t kMaxSummaryBytes = std::uint64_t{1} << 20U;
 
 // A row of alignments.csv.
 struct AlignmentRow {
@@ -53,16 +55,17 @@ std::optional<AlignmentRow> parse_alignment(const std::string& line) {
 }
 
 Result<std::vector<AlignmentRow>> read_alignments(const fs::path& path) {
-  auto file = TextFile::open(path);
+  auto file = InputLines::open(path.string(), kAlignmentLimits);
   if (!file.ok()) return file.error();
   std::vector<AlignmentRow> rows;
-  std::string line;
+  std::string_view line;
   while (file->next(line)) {
     if (file->number() == 1 || line.empty()) continue;
-    auto row = parse_alignment(line);
+    auto row = parse_alignment(std::string(line));
     if (!row) return file->error("expected time_s,peer,state,x_m,y_m,...");
     rows.push_back(std::move(*row));
   }
+  if (!file->status()) return file->status().error();
   return rows;
 }
 
@@ -173,9 +176,10 @@ Result<TeamFigures> judge_output(const fs::path& output, const std::vector<fs::p
   }
   TeamFigures figures = judge(log);
   const fs::path summary = output / "summary.json";
+  const auto text = read_input(summary.string(), kMaxSummaryBytes);
+  if (!text.ok()) return text.error();
   try {
-    std::ifstream file(summary);
-    complete(nlohmann::json::parse(file), figures);
+    complete(nlohmann::json::parse(*text), figures);
   } catch (const nlohmann::json::exception& error) {
     return Error{summary.string() + ": missing or damaged: " + error.what()};
   }

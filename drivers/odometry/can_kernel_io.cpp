@@ -8,12 +8,13 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <ctime>
 
 #include "drivers/odometry/can_io.h"
 #include "platform/linux/clock.h"
+#include "platform/linux/input_file.h"
 #include "platform/linux/wait_readable.h"
 
 namespace zenith {
@@ -31,12 +32,9 @@ std::int64_t ns_of(const timespec& time) {
 
 bool is_can(const char* interface) {
   const std::string path = std::string(kInterfaces) + "/" + interface + "/type";
-  std::FILE* file = std::fopen(path.c_str(), "r");
-  if (file == nullptr) return false;
-  int type = 0;
-  const bool read = std::fscanf(file, "%d", &type) == 1;
-  std::fclose(file);
-  return read && type == ARPHRD_CAN;
+  constexpr std::uint64_t kLargestPage = 65536;  // what /sys says of each of its files' sizes
+  const auto text = read_input(path, kLargestPage);
+  return text && std::atoi(text->c_str()) == ARPHRD_CAN;
 }
 
 template <typename T>

@@ -2,17 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <memory>
+#include <map>
 #include <optional>
 #include <utility>
 
 #include "drivers/odometry/dbc_scanner.h"
+#include "platform/linux/input_file.h"
 
 namespace zenith {
 namespace {
 
-constexpr std::size_t kMaxFileBytes = 16u << 20u;
+constexpr std::size_t kMaxSignals = 50'000;
+constexpr std::size_t kMaxName = 128;  // four times that of the format's description
 constexpr std::size_t kMaxProblems = 10;
 constexpr std::uint32_t kExtendedFlag = 0x80000000U;
 
@@ -27,13 +28,17 @@ constexpr const char* kSignalForm =
     "a signal, SG_ NAME : START|LENGTH@ORDER SIGN (SCALE,OFFSET) [MIN|MAX] \"UNIT\" RECEIVER";
 constexpr const char* kTypeForm = "a type, SIG_VALTYPE_ ID SIGNAL : TYPE with TYPE 0, 1 or 2";
 
+bool is_name(std::string_view word) {
+  return !word.empty() && word.size() <= kMaxName;
+}
+
 std::optional<Message> parse_message(DbcScanner& line) {
   Message message;
   const auto id = line.take_number<std::uint32_t>();
   message.name = line.take_word();
   const bool colon = line.take(':');
   const auto bytes = line.take_number<std::uint32_t>();
-  if (!id || message.name.empty() || !colon || !bytes) return std::nullopt;
+  if (!id || !is_name(message.name) || !colon || !bytes) return std::nullopt;
   message.written_id = *id;
   message.bytes = *bytes;
   return message;
@@ -79,7 +84,8 @@ std::optional<DbcEntry> parse_signal(DbcScanner& line) {
   entry.name = line.take_word();
   entry.multiplexing = line.take_word();
   if (!entry.multiplexing.empty() && !is_multiplexing(entry.multiplexing)) return std::nullopt;
-  if (entry.name.empty() || !line.take(':') || !parse_bits(line, entry.signal)) return std::nullopt;
+  if (!is_name(entry.name) || !line.take(':') || !parse_bits(line, entry.signal))
+    return std::nullopt;
   const auto factor = parse_pair(line, "(,)");
   if (!factor || !parse_pair(line, "[|]")) return std::nullopt;
   const auto unit = line.take_quoted();
@@ -144,6 +150,10 @@ class Parser {
     entry->line = line_;
     entry->signal.id = {message_.written_id & ~kExtendedFlag,
                         (message_.written_id & kExtendedFlag) != 0};
+    if (file_.signals.size() == kMaxSignals) {
+      return problem("expected at most " + std::to_string(kMaxSignals) + " signals");
+    }
+    by_name_.emplace(std::pair(entry->written_id, entry->name), file_.signals.size());
     file_.signals.push_back(std::move(*entry));
   }
 
@@ -152,21 +162,22 @@ class Parser {
     const std::string_view name = scanner.take_word();
     scanner.take(':');  // some writers leave it out
     const auto type = scanner.take_number<std::uint32_t>();
-    if (!id || name.empty() || !type || *type > 2) {
+    if (!id || !is_name(name) || !type || *type > 2) {
       return problem(std::string("expected ") + kTypeForm);
     }
-    const auto entry =
-        std::find_if(file_.signals.begin(), file_.signals.end(),
-                     [&](const DbcEntry& e) { return e.written_id == *id && e.name == name; });
-    if (entry == file_.signals.end()) {
+    const auto found = by_name_.find(std::pair(*id, std::string(name)));
+    if (found == by_name_.end()) {
       return problem("gives a type to the signal " + std::string(name) + " of message " +
                      std::to_string(*id) + ", which is not in the lines before");
     }
-    if (*type == 1) entry->signal.value = DbcValue::kFloat32;
-    if (*type == 2) entry->signal.value = DbcValue::kFloat64;
+    DbcSignal& signal = file_.signals[found->second].signal;
+    if (*type == 1) signal.value = DbcValue::kFloat32;
+    if (*type == 2) signal.value = DbcValue::kFloat64;
   }
 
   DbcFile file_;
+  // The place in `file_` of a message's signal: the first one of that name.
+  std::map<std::pair<std::uint32_t, std::string>, std::size_t> by_name_;
   Message message_;
   bool has_message_ = false;
   bool in_quotes_ = false;  // comments may run over several lines
@@ -220,21 +231,9 @@ Result<DbcFile> parse_dbc(std::string_view text, const std::string& path) {
 }
 
 Result<DbcFile> load_dbc(const std::string& path) {
-  const auto close = [](std::FILE* file) { std::fclose(file); };
-  const std::unique_ptr<std::FILE, decltype(close)> file(std::fopen(path.c_str(), "rb"), close);
-  if (file == nullptr) {
-    return Error{path + ": cannot be opened: expected the base's DBC file there"};
-  }
-  std::string text;
-  char chunk[4096];
-  while (const std::size_t bytes = std::fread(chunk, 1, sizeof chunk, file.get())) {
-    text.append(chunk, bytes);
-    if (text.size() > kMaxFileBytes) {
-      return Error{path + ": is larger than 16 MB: is it a DBC file?"};
-    }
-  }
-  if (std::ferror(file.get()) != 0) return Error{path + ": cannot be read: is it a file?"};
-  return parse_dbc(text, path);
+  const auto text = read_input(path, kMaxDbcBytes);
+  if (text) return parse_dbc(*text, path);
+  return Error{text.error().message + "; expected the base's DBC file there"};
 }
 
 Result<DbcEntry> find_signal(const DbcFile& file, std::string_view name) {

@@ -18,6 +18,8 @@
 
 namespace zenith {
 
+inline constexpr std::size_t kMaxDbcBytes = std::size_t{8} << 20U;
+
 struct DbcEntry {
   std::string message;
   std::string name;
@@ -36,7 +38,7 @@ struct DbcFile {
 
 // `path` names the text in messages. The error lists what is malformed, each with its line.
 Result<DbcFile> parse_dbc(std::string_view text, const std::string& path);
-// Reads the file; at most 16 MB.
+// Reads the file; at most kMaxDbcBytes.
 Result<DbcFile> load_dbc(const std::string& path);
 
 // `name` is SIGNAL, or MESSAGE.SIGNAL where several messages have one of that name. Refuses, and

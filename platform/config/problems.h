@@ -1,5 +1,6 @@
 #pragma once
-// Collects everything that is wrong with a file, so that it is told at once, in the order of lines.
+// Collects what is wrong with a file, so that it is told at once, in the order of lines: the first
+// hundred problems, and how many there are besides.
 
 #include <algorithm>
 #include <cmath>
@@ -23,10 +24,12 @@ class Problems {
     std::size_t begin = 0;
     while (begin <= what.size()) {
       const std::size_t end = std::min(what.find('\n', begin), what.size());
-      lines_.emplace_back(line, place + what.substr(begin, end - begin));
+      add_line(line, place + what.substr(begin, end - begin));
       begin = end + 1;
     }
   }
+  // About the file as a whole, and names it.
+  void add(const Error& error) { add_line(0, error.message); }
 
   // Checks that `value` is a number in [min, max].
   void check_range(int line, const std::string& key, double value, double min, double max) {
@@ -43,12 +46,24 @@ class Problems {
                      [](const auto& a, const auto& b) { return a.first < b.first; });
     std::string text;
     for (const auto& [line, what] : sorted) text += (text.empty() ? "" : "\n") + what;
+    if (further_ > 0) text += "\n" + path_ + ": " + std::to_string(further_) + " more problems";
     return {text};
   }
 
  private:
+  static constexpr std::size_t kMost = 100;
+
+  void add_line(int line, std::string text) {
+    if (lines_.size() == kMost) {
+      ++further_;
+    } else {
+      lines_.emplace_back(line, std::move(text));
+    }
+  }
+
   std::string path_;
   std::vector<std::pair<int, std::string>> lines_;
+  std::size_t further_ = 0;
 };
 
 }  // namespace zenith

@@ -7,13 +7,14 @@
 #include <string_view>
 #include <type_traits>
 
-#define TOML_EXCEPTIONS 0
-#include <toml++/toml.h>
-
+#include "platform/base/printable.h"
+#include "platform/config/toml_text.h"
 #include "platform/config/words.h"
 
 namespace zenith {
 namespace {
+
+constexpr std::size_t kMostQuoted = 80;  // bytes of a file's own words in messages
 
 int line_of(const toml::node& node) {
   return static_cast<int>(node.source().begin.line);
@@ -63,7 +64,7 @@ struct Assign {
     for (const std::string& known_word : choice.words) {
       known += (known.empty() ? "" : ", ") + known_word;
     }
-    return " '" + *word + "' is unknown; known: " + known;
+    return " '" + printable_start(*word, kMostQuoted) + "' is unknown; known: " + known;
   }
 };
 
@@ -99,7 +100,7 @@ std::vector<std::string> names_under(const std::string& prefix, const Settings& 
 
 std::string unknown_key(const std::string& prefix, const std::string& name,
                         const Settings& settings) {
-  std::string message = "unknown key " + prefix + name;
+  std::string message = "unknown key " + prefix + printable_start(name, kMostQuoted);
   const auto near = nearest_words(name, names_under(prefix, settings));
   if (!near.empty()) return message + "; did you mean " + prefix + near[0] + "?";
   for (const Setting& setting : settings) {  // right, but in the wrong section
@@ -160,6 +161,13 @@ struct Write {
   static std::string quoted(const std::string& value) {
     std::string text = "\"";
     for (const char c : value) {
+      const unsigned code = static_cast<unsigned char>(c);
+      if (code < 0x20 || code == 0x7f) {
+        char escape[8];
+        std::snprintf(escape, sizeof escape, "\\u%04X", code & 0xffU);
+        text += escape;
+        continue;
+      }
       if (c == '"' || c == '\\') text += '\\';
       text += c;
     }
@@ -171,8 +179,15 @@ struct Write {
 
 KeyLines read_settings(const std::filesystem::path& file, const Settings& settings,
                        Problems& problems) {
+  const auto text = read_toml(file);
+  if (text) return parse_settings(*text, settings, problems);
+  problems.add(text.error());
+  return {};
+}
+
+KeyLines parse_settings(std::string_view text, const Settings& settings, Problems& problems) {
   KeyLines lines;
-  const toml::parse_result parsed = toml::parse_file(file.string());
+  const toml::parse_result parsed = parse_toml(text);
   if (!parsed) {
     const toml::parse_error& error = parsed.error();
     problems.add(static_cast<int>(error.source().begin.line), std::string(error.description()));

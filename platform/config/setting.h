@@ -11,6 +11,7 @@
 #include <functional>
 #include <map>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -66,6 +67,7 @@ Choice choice_of(Enum& value, std::vector<std::string> words) {
 // of the keys that are there.
 KeyLines read_settings(const std::filesystem::path& file, const Settings& settings,
                        Problems& problems);
+KeyLines parse_settings(std::string_view text, const Settings& settings, Problems& problems);
 
 // The value, as TOML writes it.
 std::string toml_value(const Setting& setting);

@@ -28,7 +28,9 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
 
 std::vector<std::string> nearest_words(const std::string& word,
                                        const std::vector<std::string>& known) {
+  constexpr std::size_t kLongest = 64;  // no known word is near to longer ones
   std::vector<std::pair<std::size_t, std::string>> ranked;
+  if (word.size() > kLongest) return {};
   for (const std::string& candidate : known) {
     const bool contains = word.size() >= 3 && candidate.find(word) != std::string::npos;
     const std::size_t distance = contains ? 1 : edit_distance(word, candidate);

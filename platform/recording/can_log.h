@@ -8,8 +8,11 @@
 
 #include "drivers/odometry/can_frame.h"
 #include "platform/base/result.h"
+#include "platform/linux/input_file.h"
 
 namespace zenith {
+
+inline constexpr std::size_t kMaxLoggedFrames = 20'000'000;  // five hours, 1000 a second
 
 struct CanLog {
   std::vector<CanFrame> frames;  // in the order of the file
@@ -19,7 +22,8 @@ struct CanLog {
   std::string first_malformed;  // "path:line"
 };
 
-// Malformed lines are counted.
+// Malformed lines are counted. More than kMaxLoggedFrames of the interface are an error.
+Result<CanLog> parse_can_log(InputLines& lines, const std::string& interface);
 Result<CanLog> read_can_log(const std::filesystem::path& path, const std::string& interface);
 
 }  // namespace zenith

@@ -4,10 +4,14 @@
 #include <optional>
 #include <string_view>
 
-#include "platform/recording/text_file.h"
+#include "platform/base/printable.h"
+#include "platform/linux/input_file.h"
 
 namespace zenith {
 namespace {
+
+// A frame is some 45 bytes of the list.
+constexpr LineLimits kLimits = {64 * kMaxListedFrames};
 
 std::string_view trim(std::string_view text) {
   const std::size_t begin = text.find_first_not_of(" \t");
@@ -35,26 +39,37 @@ std::optional<ListedFrame> parse_line(std::string_view line) {
 
 }  // namespace
 
-Result<std::vector<ListedFrame>> read_frame_list(const std::filesystem::path& path) {
-  auto file = TextFile::open(path);
-  if (!file.ok()) return file.error();
+Result<std::vector<ListedFrame>> parse_frame_list(InputLines& file) {
   std::vector<ListedFrame> frames;
-  std::string line;
-  while (file->next(line)) {
+  std::string_view line;
+  while (file.next(line)) {
     if (trim(line).empty() || line[0] == '#') continue;
     auto frame = parse_line(line);
-    if (!frame)
-      return file->error("expected 'nanoseconds,filename', found '" + line.substr(0, 80) + "'");
-    if (!frames.empty() && frame->stamp <= frames.back().stamp) {
-      return file->error("the stamp " + std::to_string(frame->stamp.ns) +
-                         " does not follow the one before, " +
-                         std::to_string(frames.back().stamp.ns));
+    if (!frame) {
+      return file.error("expected 'nanoseconds,filename', found '" + printable_start(line, 80) +
+                        "'");
     }
-    frame->line = static_cast<int>(file->number());
+    if (frames.size() == kMaxListedFrames) {
+      return file.error("expected at most " + std::to_string(kMaxListedFrames) +
+                        " frames; record a long drive in parts");
+    }
+    if (!frames.empty() && frame->stamp <= frames.back().stamp) {
+      return file.error("the stamp " + std::to_string(frame->stamp.ns) +
+                        " does not follow the one before, " +
+                        std::to_string(frames.back().stamp.ns));
+    }
+    frame->line = static_cast<int>(file.number());
     frames.push_back(std::move(*frame));
   }
-  if (frames.empty()) return Error{path.string() + ": lists no frame"};
+  if (!file.status()) return file.status().error();
+  if (frames.empty()) return Error{file.name() + ": lists no frame"};
   return frames;
+}
+
+Result<std::vector<ListedFrame>> read_frame_list(const std::filesystem::path& path) {
+  auto file = InputLines::open(path.string(), kLimits);
+  if (!file) return file.error();
+  return parse_frame_list(*file);
 }
 
 }  // namespace zenith

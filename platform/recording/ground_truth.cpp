@@ -6,13 +6,15 @@
 #include <sstream>
 
 #include "platform/recording/seconds.h"
-#include "platform/recording/text_file.h"
 
 namespace zenith {
 namespace {
 
-std::optional<StampedPose> parse_tum(const std::string& line) {
-  std::istringstream words(line);
+constexpr std::size_t kMaxPoses = 5'000'000;  // 14 hours, 100 a second
+constexpr LineLimits kLimits = {128 * kMaxPoses};
+
+std::optional<StampedPose> parse_pose(std::string_view line) {
+  std::istringstream words{std::string(line)};
   std::string stamp;
   double v[7];
   if (!(words >> stamp)) return std::nullopt;
@@ -29,21 +31,29 @@ std::optional<StampedPose> parse_tum(const std::string& line) {
 
 }  // namespace
 
-Result<std::vector<StampedPose>> read_tum(const std::filesystem::path& path) {
-  auto file = TextFile::open(path);
-  if (!file.ok()) return file.error();
+Result<std::vector<StampedPose>> parse_tum(InputLines& file) {
   std::vector<StampedPose> poses;
-  std::string line;
-  while (file->next(line)) {
+  std::string_view line;
+  while (file.next(line)) {
     if (line.find_first_not_of(" \t") == std::string::npos || line[0] == '#') continue;
-    const auto pose = parse_tum(line);
-    if (!pose) return file->error("expected 'seconds x y z qx qy qz qw' with a unit quaternion");
+    const auto pose = parse_pose(line);
+    if (!pose) return file.error("expected 'seconds x y z qx qy qz qw' with a unit quaternion");
     if (!poses.empty() && pose->stamp <= poses.back().stamp) {
-      return file->error("the stamp does not follow the one before");
+      return file.error("the stamp does not follow the one before");
+    }
+    if (poses.size() == kMaxPoses) {
+      return file.error("expected at most " + std::to_string(kMaxPoses) + " poses");
     }
     poses.push_back(*pose);
   }
+  if (!file.status()) return file.status().error();
   return poses;
+}
+
+Result<std::vector<StampedPose>> read_tum(const std::filesystem::path& path) {
+  auto file = InputLines::open(path.string(), kLimits);
+  if (!file) return file.error();
+  return parse_tum(*file);
 }
 
 std::string format_tum(const StampedPose& pose) {

@@ -8,6 +8,7 @@
 
 #include "platform/base/result.h"
 #include "platform/base/time.h"
+#include "platform/linux/input_file.h"
 #include "slam/geometry.h"
 
 namespace zenith {
@@ -18,6 +19,7 @@ struct StampedPose {
 };
 
 // Stamps rise strictly.
+Result<std::vector<StampedPose>> parse_tum(InputLines& lines);
 Result<std::vector<StampedPose>> read_tum(const std::filesystem::path& path);
 
 // One line, with its end.

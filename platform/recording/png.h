@@ -3,6 +3,8 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "platform/base/result.h"
@@ -10,8 +12,11 @@
 
 namespace zenith {
 
-// Into `pixels`, width * height bytes. Anything but a whole 8-bit grey image of this size is an
-// error that names the file.
+// Into `pixels`, width * height bytes. Anything but a whole 8-bit grey image of this size, not
+// interlaced, is an error that names the file. Whatever the bytes are, the memory taken is that of
+// the file, the pixels and a few megabytes.
+Status parse_grey_png(std::string_view png, const std::string& name, int width, int height,
+                      std::vector<std::uint8_t>& pixels);
 Status read_grey_png(const std::filesystem::path& path, int width, int height,
                      std::vector<std::uint8_t>& pixels);
 

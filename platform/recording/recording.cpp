@@ -1,5 +1,6 @@
 #include "platform/recording/recording.h"
 
+#include "platform/base/printable.h"
 #include "platform/recording/layout.h"
 #include "platform/recording/png.h"
 #include "platform/recording/sensor_file.h"
@@ -24,6 +25,10 @@ Result<std::unique_ptr<Recording>> Recording::open(const fs::path& folder,
   std::unique_ptr<Recording> recording(new Recording);
   recording->folder_ = folder;
   recording->name_ = name_of(folder);
+  if (!is_printable(recording->name_)) {
+    return Error{folder.string() +
+                 ": expected a folder's name of printable UTF-8, for it names the robot"};
+  }
   recording->options_ = options;
   if (const Status loaded = recording->load_description(); !loaded) return loaded.error();
   return recording;

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "platform/config/robot_settings.h"
+#include "platform/config/toml_text.h"
 #include "platform/recording/odometry_section.h"
 
 namespace zenith {
@@ -30,12 +31,18 @@ Settings settings_of(RobotFile& robot) {
 
 Result<RobotFile> read_robot_file(const std::filesystem::path& path) {
   std::error_code code;
-  if (!std::filesystem::is_regular_file(path, code)) {
+  if (!std::filesystem::exists(path, code)) {
     return Error{path.string() + ": missing: a recording holds its robot's configuration there"};
   }
+  const auto text = read_toml(path);
+  if (!text) return text.error();
+  return parse_robot_file(*text, path);
+}
+
+Result<RobotFile> parse_robot_file(std::string_view text, const std::filesystem::path& path) {
   Problems problems(path);
   RobotFile robot;
-  const KeyLines lines = read_settings(path, settings_of(robot), problems);
+  const KeyLines lines = parse_settings(text, settings_of(robot), problems);
   if (!is_interface_name(robot.can_interface)) {
     problems.add(lines.of("odometry.can_interface"),
                  "odometry.can_interface '" + robot.can_interface + "' is no interface's name");

@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 #include "drivers/odometry/wheel_codec_config.h"
 #include "platform/base/result.h"
@@ -20,6 +21,8 @@ struct RobotFile {
 
 // A relative dbc.file is taken from the folder of robot.toml.
 Result<RobotFile> read_robot_file(const std::filesystem::path& path);
+// `path` is where the text comes from.
+Result<RobotFile> parse_robot_file(std::string_view text, const std::filesystem::path& path);
 
 // The annotated text of the file.
 std::string format_robot_file(const RobotFile& robot);

@@ -8,14 +8,20 @@
 #include <yaml-cpp/yaml.h>
 #include <Eigen/Geometry>
 
+#include "platform/base/printable.h"
 #include "platform/config/problems.h"
 #include "platform/config/robot_settings.h"
+#include "platform/linux/input_file.h"
 
 namespace zenith {
 namespace {
 
 int line_of(const YAML::Node& node) {
   return node.Mark().line + 1;
+}
+
+std::string quoted(const YAML::Node& scalar) {
+  return printable_start(scalar.Scalar(), 80);
 }
 
 // The numbers of a list with `count` entries; empty, and told, when there is no such list.
@@ -29,8 +35,7 @@ std::vector<double> read_list(const YAML::Node& node, const std::string& key, st
   for (const YAML::Node& entry : node) {
     double value = 0.0;
     if (!YAML::convert<double>::decode(entry, value) || !std::isfinite(value)) {
-      problems.add(line_of(entry), key + " holds " +
-                                       (entry.IsScalar() ? entry.Scalar() : "a list") +
+      problems.add(line_of(entry), key + " holds " + (entry.IsScalar() ? quoted(entry) : "a list") +
                                        ", expected finite numbers");
       return {};
     }
@@ -45,7 +50,7 @@ std::vector<double> read_list(const YAML::Node& node, const std::string& key, st
 void check_word(const YAML::Node& node, const std::string& key, const std::string& expected,
                 Problems& problems) {
   if (!node || (node.IsScalar() && node.Scalar() == expected)) return;
-  problems.add(line_of(node), key + " is " + (node.IsScalar() ? node.Scalar() : "a list") +
+  problems.add(line_of(node), key + " is " + (node.IsScalar() ? quoted(node) : "a list") +
                                   ", expected " + expected);
 }
 
@@ -135,14 +140,20 @@ CameraMount mount_of_matrix(const Eigen::Matrix4d& T) {
 
 Result<SensorFile> read_sensor_file(const std::filesystem::path& path) {
   std::error_code code;
-  if (!std::filesystem::is_regular_file(path, code)) {
+  if (!std::filesystem::exists(path, code)) {
     return Error{path.string() + ": missing: a recording holds its camera's calibration there"};
   }
-  Problems problems(path);
+  const auto text = read_input(path.string(), kMaxSensorFileBytes);
+  if (!text) return text.error();
+  return parse_sensor_file(*text, path.string());
+}
+
+Result<SensorFile> parse_sensor_file(const std::string& text, const std::string& name) {
+  Problems problems(name);
   SensorFile sensor;
   try {
-    const YAML::Node file = YAML::LoadFile(path.string());
-    if (!file.IsMap()) return Error{path.string() + ": expected keys and values"};
+    const YAML::Node file = YAML::Load(text);
+    if (!file.IsMap()) return Error{name + ": expected keys and values"};
     read_lens(file, sensor.lens, problems);
     read_mount(file, sensor.mount, problems);
     read_rate(file, sensor.frame_rate_hz, problems);

@@ -18,6 +18,10 @@ struct SensorFile {
   double frame_rate_hz = 15.0;
 };
 
+inline constexpr std::size_t kMaxSensorFileBytes = std::size_t{64} << 10U;
+
+// `name` stands for the file in messages.
+Result<SensorFile> parse_sensor_file(const std::string& text, const std::string& name);
 Result<SensorFile> read_sensor_file(const std::filesystem::path& path);
 std::string format_sensor_file(const SensorFile& sensor);
 

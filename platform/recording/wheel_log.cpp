@@ -9,10 +9,17 @@
 namespace zenith {
 namespace {
 
+constexpr std::size_t kMaxUnknownIds = 4096;  // all short ones, and more than any bus has
+
 void decode_frame(const CanFrame& frame, WheelDecoder& decoder, WheelLog& log) {
   const std::uint64_t unknown = decoder.counters().unknown_ids;
   if (const auto sample = decoder.decode(frame)) log.samples.push_back(*sample);
-  if (decoder.counters().unknown_ids != unknown) ++log.unknown_ids[frame.id];
+  if (decoder.counters().unknown_ids == unknown) return;
+  if (log.unknown_ids.size() < kMaxUnknownIds || log.unknown_ids.contains(frame.id)) {
+    ++log.unknown_ids[frame.id];
+  } else {
+    ++log.further_unknown;
+  }
 }
 
 std::string seconds_text(double seconds) {
@@ -22,7 +29,7 @@ std::string seconds_text(double seconds) {
 }
 
 std::string unknown_text(const WheelLog& log) {
-  std::size_t total = 0;
+  std::size_t total = log.further_unknown;
   std::string ids;
   std::size_t shown = 0;
   for (const auto& [id, count] : log.unknown_ids) {

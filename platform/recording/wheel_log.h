@@ -20,6 +20,7 @@ struct WheelLog {
   std::vector<WheelSample> samples;  // stamps rise strictly
   WheelDecoderCounters decoder;
   std::map<std::uint32_t, std::size_t> unknown_ids;  // and how often each came
+  std::size_t further_unknown = 0;                   // frames of ids that found no room there
   CanLog can;                                        // without its frames: those were decoded
 };
 

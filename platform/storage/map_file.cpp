@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "platform/base/printable.h"
 #include "platform/storage/checksum.h"
 #include "slam/exchange/record_code.h"
 
@@ -17,7 +18,7 @@ constexpr std::size_t kHeadBytes = 8 + 2 + 2 + 4 + 3 * 8 + 2 * 8 + 2 + 2 + 4 + 1
 constexpr std::size_t kEndBytes = 12;
 constexpr std::size_t kBlockLandmarks = 64;
 constexpr std::size_t kBlockHeadBytes = 8;
-constexpr std::size_t kRobotBytes = 32;
+constexpr std::size_t kRobotBytes = kMaxRobotName;
 
 static_assert(kHeadBytes + 4 + kEndBytes +
                       (kMaxStoredLandmarks / kBlockLandmarks + 1) * (kBlockHeadBytes + 4) +
@@ -80,6 +81,8 @@ std::string read_head(ByteReader& in, MapHead& head, std::uint32_t& count) {
            " coefficients, found " + std::to_string(patch) + " with " + std::to_string(compact);
   }
   head.robot.assign({reinterpret_cast<const char*>(name.data()), length});
+  // Empty: nobody said it.
+  if (length > 0 && !is_robot_name(head.robot.view())) return "its robot's name is no name";
   return {};
 }
 

@@ -141,11 +141,12 @@ bool is_daemon(Room room) {
 
 Broken check_config_include(const std::string& path) {
   const Room to = room_of(path);
-  if (to == Room::kBase || to == Room::kConfig || is_plain_slam_type(path) ||
+  if (to == Room::kBase || to == Room::kLinux || to == Room::kConfig || is_plain_slam_type(path) ||
       path == "drivers/odometry/wheel_codec_config.h") {
     return {};
   }
-  return "platform/config includes platform/base, plain types of slam and the codecs' table alone";
+  return "platform/config includes platform/base, platform/linux, plain types of slam and the "
+         "codecs' table alone";
 }
 
 Broken check_recording_include(const std::string& path) {
@@ -314,6 +315,15 @@ const std::vector<ForbiddenText>& forbidden_without_exceptions() {
   return kList;
 }
 
+// How files are read that anything may stand in.
+const std::vector<ForbiddenText>& forbidden_readers() {
+  static const std::vector<ForbiddenText> kList = {
+      {std::regex(R"(\bstd::i?fstream\b|\btoml::parse_file\b|\bYAML::LoadFile|)"
+                  R"(\bcv::(imread\w*|haveImageReader|FileStorage)\b)"),
+       "files are read through platform/linux/input_file.h, which bounds them"}};
+  return kList;
+}
+
 bool has_no_exceptions(Room room) {
   return is_slam(room) || room == Room::kDrivers || room == Room::kBase || room == Room::kLinux ||
          room == Room::kConfig || room == Room::kLink || room == Room::kStorage;
@@ -351,6 +361,8 @@ std::vector<Violation> check_architecture(const std::string& file, std::string_v
       }
     };
     if (is_slam(room)) check(forbidden_in_core());
+    const bool own_bounds = file == "tools/view/timeline.cpp";
+    if (room != Room::kTests && !own_bounds) check(forbidden_readers());
     if (has_no_exceptions(room)) check(forbidden_without_exceptions());
   }
   return violations;

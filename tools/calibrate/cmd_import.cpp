@@ -12,7 +12,7 @@ namespace zenith::tools {
 namespace {
 
 constexpr const char* kHelp =
-    R"(Reads the calibration of a lens: Kalibr's camchain.yaml, OpenCV's yaml or xml, ROS's
+    R"(Reads the calibration of a lens: Kalibr's camchain.yaml, OpenCV's yaml, ROS's
 camera_info yaml, Basalt's json. Fisheye lenses (equidistant, Kannala-Brandt) are taken as they are;
 other models are fitted, and the error that remains is told; what cannot be fitted within a pixel is refused.
 

@@ -15,6 +15,7 @@
 #include "tools/calibrate/live.h"
 #include "tools/calibrate/result_files.h"
 #include "tools/commands.h"
+#include "tools/picture_file.h"
 #include "tools/progress.h"
 
 namespace zenith::tools {
@@ -69,7 +70,7 @@ std::vector<fs::path> image_files(const std::vector<std::string>& named) {
       continue;
     }
     for (const auto& entry : fs::directory_iterator(name, code)) {
-      if (cv::haveImageReader(entry.path().string())) files.push_back(entry.path());
+      if (is_picture(entry.path())) files.push_back(entry.path());
     }
   }
   std::sort(files.begin(), files.end());
@@ -77,7 +78,6 @@ std::vector<fs::path> image_files(const std::vector<std::string>& named) {
 }
 
 Result<Detection> detect_in(const cv::Mat& image, const Target& target, Boards& boards) {
-  if (image.empty()) return Error{"missing, or no image"};
   if (boards.width_px == 0) {
     boards.width_px = image.cols;
     boards.height_px = image.rows;
@@ -94,8 +94,9 @@ Boards boards_of_files(const std::vector<fs::path>& files, const Target& target)
   Boards boards;
   Progress progress("looking for the board");
   for (const fs::path& file : files) {
-    const cv::Mat image = cv::imread(file.string(), cv::IMREAD_GRAYSCALE);
-    boards.seen.push_back({file.filename().string(), detect_in(image, target, boards)});
+    const auto image = read_grey_picture(file);
+    boards.seen.push_back(
+        {file.filename().string(), image ? detect_in(*image, target, boards) : image.error()});
     progress.update(static_cast<double>(boards.seen.size()) / static_cast<double>(files.size()));
   }
   return boards;

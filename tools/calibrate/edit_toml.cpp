@@ -1,13 +1,10 @@
 #include "tools/calibrate/edit_toml.h"
 
-#include <fstream>
 #include <optional>
 #include <sstream>
 
-#define TOML_EXCEPTIONS 0
-#include <toml++/toml.h>
-
 #include "platform/config/setting.h"
+#include "platform/config/toml_text.h"
 #include "tools/atomic_output.h"
 
 namespace zenith::tools {
@@ -75,15 +72,10 @@ void set_value(std::vector<std::string>& lines, const std::string& full_key,
   lines.insert(lines.begin() + static_cast<std::ptrdiff_t>(*last + 1), key + " = " + value);
 }
 
-Error parse_error(const std::filesystem::path& path, const toml::parse_error& error) {
-  return {path.string() + ":" + std::to_string(error.source().begin.line) + ": " +
-          std::string(error.description())};
-}
-
 Status check_values(const std::filesystem::path& path, const std::string& text,
                     const TomlValues& values) {
-  const toml::parse_result parsed = toml::parse(text);
-  if (!parsed) return parse_error(path, parsed.error());
+  const toml::parse_result parsed = parse_toml(text);
+  if (!parsed) return toml_error(path, parsed.error());
   for (const auto& [key, value] : values) {
     const auto wanted = toml::parse("v = " + value);
     const auto found = parsed.table().at_path(key);
@@ -111,13 +103,11 @@ Status edit_toml_file(const std::filesystem::path& path, const TomlValues& value
   std::string text;
   std::error_code code;
   if (std::filesystem::exists(path, code)) {
-    std::ifstream file(path, std::ios::binary);
-    std::ostringstream content;
-    content << file.rdbuf();
-    if (!file) return Error{path.string() + ": not readable"};
-    text = content.str();
-    const toml::parse_result parsed = toml::parse(text);
-    if (!parsed) return parse_error(path, parsed.error());
+    auto content = read_toml(path);
+    if (!content) return content.error();
+    text = std::move(*content);
+    const toml::parse_result parsed = parse_toml(text);
+    if (!parsed) return toml_error(path, parsed.error());
   }
   const std::string edited = edited_toml(text, values);
   if (const Status checked = check_values(path, edited, values); !checked) return checked;

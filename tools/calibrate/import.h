@@ -6,6 +6,7 @@
 // rational_polynomial of narrow lenses, omni and ds and eucm of wide ones) are fitted: the
 // equidistant lens that shows the same rays at the same pixels, with the error that remains.
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -27,7 +28,12 @@ struct ForeignLens {
   std::vector<double> distortion;
 };
 
-// All lenses of a file. The error says what was expected and what was found.
+inline constexpr std::uint64_t kMaxCalibrationBytes = std::uint64_t{512} << 10U;
+
+// All lenses of a file. The error says what was expected and what was found; `name` stands for the
+// file there.
+Result<std::vector<ForeignLens>> parse_foreign_lenses(const std::string& text,
+                                                      const std::string& name);
 Result<std::vector<ForeignLens>> read_foreign_lenses(const std::filesystem::path& path);
 
 struct ImportedLens {

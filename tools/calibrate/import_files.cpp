@@ -1,12 +1,12 @@
 // Readers of the formats. Which one a file has is found by its keys.
 
-#include <fstream>
-#include <sstream>
+#include <algorithm>
+#include <cmath>
 
 #include <yaml-cpp/yaml.h>
 #include <nlohmann/json.hpp>
-#include <opencv2/core.hpp>
 
+#include "platform/linux/input_file.h"
 #include "tools/calibrate/import.h"
 
 namespace zenith::tools {
@@ -18,6 +18,11 @@ std::vector<double> numbers(const YAML::Node& node) {
   std::vector<double> values;
   for (const YAML::Node& entry : node) values.push_back(entry.as<double>());
   return values;
+}
+
+// 0, no size, for what no image has.
+int pixels_of(double size) {
+  return size >= 1.0 && size <= 1e6 ? static_cast<int>(size) : 0;
 }
 
 // Kalibr's camchain: cam0, cam1, ...; and sensor.yaml, which has one camera at the top.
@@ -36,8 +41,8 @@ ForeignLens kalibr_camera(const std::string& name, const YAML::Node& node) {
   }
   const auto size = numbers(node["resolution"]);
   if (size.size() == 2) {
-    lens.width_px = static_cast<int>(size[0]);
-    lens.height_px = static_cast<int>(size[1]);
+    lens.width_px = pixels_of(size[0]);
+    lens.height_px = pixels_of(size[1]);
   }
   return lens;
 }
@@ -80,41 +85,38 @@ Lenses of_yaml(const YAML::Node& file) {
   return lenses;
 }
 
-std::vector<double> of_mat(const cv::FileNode& node) {
-  cv::Mat values;
-  if (node.isMap()) node >> values;
-  values.convertTo(values, CV_64F);
-  if (values.empty()) return {};
-  return {values.begin<double>(), values.end<double>()};
+YAML::Node first_of(const YAML::Node& file, std::initializer_list<const char*> names) {
+  for (const char* name : names) {
+    if (file[name]) return file[name];
+  }
+  return YAML::Node(YAML::NodeType::Undefined);
 }
 
-cv::FileNode first_of(const cv::FileStorage& file, std::initializer_list<const char*> names) {
-  for (const char* name : names) {
-    if (!file[name].empty()) return file[name];
-  }
-  return {};
+std::vector<double> of_mat(const YAML::Node& node) {
+  if (!node || !node.IsMap()) return {};
+  return numbers(node["data"]);
+}
+
+int whole_number(const YAML::Node& node, int otherwise) {
+  return node && node.IsScalar() ? node.as<int>(otherwise) : otherwise;
 }
 
 // Four coefficients are a fisheye's unless the file says otherwise: five and more are not.
-Lenses of_opencv(const std::string& text) {
-  const cv::FileStorage file(text, cv::FileStorage::READ | cv::FileStorage::MEMORY);
+Lenses of_opencv(const YAML::Node& file) {
+  if (!file.IsMap()) return {};
   ForeignLens lens;
   lens.format = "OpenCV";
   lens.intrinsics =
       of_matrix(of_mat(first_of(file, {"camera_matrix", "Camera_Matrix", "K", "cameraMatrix"})));
   lens.distortion = of_mat(first_of(file, {"distortion_coefficients", "Distortion_Coefficients",
                                            "D", "dist_coeffs", "distCoeffs"}));
-  int fisheye = -1;
-  const cv::FileNode said = first_of(file, {"fisheye_model", "fisheye"});
-  if (said.isInt()) fisheye = static_cast<int>(said);
+  const int fisheye = whole_number(first_of(file, {"fisheye_model", "fisheye"}), -1);
   const bool is_fisheye = fisheye == 1 || (fisheye < 0 && lens.distortion.size() == 4);
   lens.model = is_fisheye                    ? "pinhole-equi"
                : lens.distortion.size() <= 5 ? "pinhole-radtan"
                                              : "pinhole-rational";
-  const cv::FileNode width = first_of(file, {"image_width", "image_Width", "width"});
-  const cv::FileNode height = first_of(file, {"image_height", "image_Height", "height"});
-  if (width.isInt()) lens.width_px = static_cast<int>(width);
-  if (height.isInt()) lens.height_px = static_cast<int>(height);
+  lens.width_px = whole_number(first_of(file, {"image_width", "image_Width", "width"}), 0);
+  lens.height_px = whole_number(first_of(file, {"image_height", "image_Height", "height"}), 0);
   if (lens.intrinsics.empty()) return {};
   return {lens};
 }
@@ -143,8 +145,8 @@ Lenses of_basalt(const std::string& text) {
       lens.intrinsics = {get("alpha"), get("beta")};
     }
     for (const char* key : {"fx", "fy", "cx", "cy"}) lens.intrinsics.push_back(get(key));
-    lens.width_px = values.at("resolution").at(i).at(0);
-    lens.height_px = values["resolution"][i].at(1);
+    lens.width_px = pixels_of(values.at("resolution").at(i).at(0));
+    lens.height_px = pixels_of(values["resolution"][i].at(1));
     lenses.push_back(lens);
   }
   return lenses;
@@ -154,29 +156,33 @@ Lenses read_any(const std::string& text) {
   const std::size_t first = text.find_first_not_of(" \t\r\n");
   if (first != std::string::npos && text[first] == '{') return of_basalt(text);
   // OpenCV's dialect: "%YAML:1.0", which strict parsers refuse, and "!!opencv-matrix".
-  if (text.starts_with("%YAML:") || text.find("!!opencv-matrix") != std::string::npos) {
-    return of_opencv(text);
+  const bool directive = text.starts_with("%YAML:");
+  if (directive || text.find("!!opencv-matrix") != std::string::npos) {
+    return of_opencv(
+        YAML::Load(directive ? text.substr(std::min(text.find('\n'), text.size())) : text));
   }
   return of_yaml(YAML::Load(text));
 }
 
 }  // namespace
 
-Result<Lenses> read_foreign_lenses(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  text << file.rdbuf();
-  if (!file) return Error{path.string() + ": missing or not readable"};
+Result<Lenses> parse_foreign_lenses(const std::string& text, const std::string& name) {
   try {
-    Lenses lenses = read_any(text.str());
+    Lenses lenses = read_any(text);
     if (!lenses.empty()) return lenses;
   } catch (const std::exception& error) {
-    return Error{path.string() + ": " + error.what()};
+    return Error{name + ": " + error.what()};
   }
   return Error{
-      path.string() +
+      name +
       ": expected a calibration of Kalibr (camchain), OpenCV, ROS (camera_info) or Basalt, "
       "found none of their keys"};
+}
+
+Result<Lenses> read_foreign_lenses(const std::filesystem::path& path) {
+  const auto text = read_input(path.string(), kMaxCalibrationBytes);
+  if (!text) return text.error();
+  return parse_foreign_lenses(*text, path.string());
 }
 
 }  // namespace zenith::tools

@@ -5,13 +5,13 @@
 #include <numbers>
 #include <optional>
 
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "platform/base/memory_block.h"
 #include "platform/base/random.h"
 #include "slam/image/corners.h"
 #include "tools/descriptors/looks.h"
+#include "tools/picture_file.h"
 
 namespace zenith::tools {
 namespace {
@@ -182,11 +182,11 @@ Result<LookSequence> photo_looks(const std::filesystem::path& folder, std::uint6
   out.synthetic = true;
   PhotoLooker looker(out, seed);
   for (const std::filesystem::path& file : files) {
-    const cv::Mat photo = cv::imread(file.string(), cv::IMREAD_GRAYSCALE);
-    if (photo.empty()) return Error{"cannot read the photograph " + file.string()};
+    const auto photo = read_grey_picture(file);
+    if (!photo) return Error{"the photograph " + file.string() + ": " + photo.error().message};
     // The same size for all: 3 x 2 tiles as large as the rectified image.
     cv::Mat scaled;
-    cv::resize(photo, scaled, {kTilesAcross * kRectifiedSize, kTilesDown * kRectifiedSize}, 0, 0,
+    cv::resize(*photo, scaled, {kTilesAcross * kRectifiedSize, kTilesDown * kRectifiedSize}, 0, 0,
                cv::INTER_AREA);
     looker.look_at(scaled);
   }

@@ -4,7 +4,8 @@
 
 #include <algorithm>
 #include <charconv>
-#include <fstream>
+
+#include "platform/linux/input_file.h"
 
 namespace zenith::tools {
 namespace {
@@ -28,14 +29,12 @@ bool MachineFiles::exists(const std::string& path) const {
 }
 
 std::optional<std::string> MachineFiles::read(const std::string& path) const {
-  std::error_code code;
-  if (fs::is_directory(at(path), code)) return std::nullopt;
-  std::ifstream file(at(path), std::ios::binary);
+  const auto file = open_input(at(path).string());
   if (!file) return std::nullopt;
   std::string text(kMost, '\0');
-  file.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (file.bad()) return std::nullopt;
-  text.resize(static_cast<std::size_t>(file.gcount()));
+  const std::ptrdiff_t count = read_fully(file->fd.get(), text.data(), text.size());
+  if (count < 0) return std::nullopt;
+  text.resize(static_cast<std::size_t>(count));
   while (!text.empty() && (text.back() == '\n' || text.back() == ' ' || text.back() == '\0')) {
     text.pop_back();
   }

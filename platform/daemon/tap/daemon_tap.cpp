@@ -1,9 +1,8 @@
 #include "platform/daemon/tap/daemon_tap.h"
 
-#include <fstream>
-#include <sstream>
-
+#include "drivers/odometry/dbc.h"
 #include "platform/daemon/version.h"
+#include "platform/linux/input_file.h"
 #include "platform/linux/local_socket.h"
 #include "platform/linux/log.h"
 
@@ -18,9 +17,8 @@ Hello describe_robot(const DaemonConfig& config, const Devices& devices) {
   hello.odometry = devices.odometry.value_or(config.odometry);
   hello.can_interface = config.can_interface;
   if (hello.odometry.kind == WheelCodecKind::kDbc) {
-    std::ostringstream content;
-    content << std::ifstream(hello.odometry.dbc.file, std::ios::binary).rdbuf();
-    hello.dbc = content.str();
+    auto content = read_input(hello.odometry.dbc.file, kMaxDbcBytes);
+    if (content) hello.dbc = std::move(*content);
   }
   return hello;
 }

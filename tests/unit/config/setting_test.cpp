@@ -106,7 +106,7 @@ TEST_F(SettingTest, MissingIsToldOnlyOfWhatIsRequired) {
 
 TEST_F(SettingTest, WrittenValuesComeBack) {
   Values put;
-  put.name = "a \"quoted\" \\ text";
+  put.name = "a \"quoted\" \\ text\n\x1b\x7f\u00fc";
   put.rate_hz = 0.1;
   put.colour = Colour::kGreen;
   std::string text;

@@ -137,7 +137,7 @@ TEST_F(OdometrySection, DbcFilesLieBesideRobotToml) {
       "quantity = \"position\"\n";
   EXPECT_THAT(refusal(section), HasSubstr("dbc.file is missing"));
   EXPECT_THAT(refusal(section + "file = \"other.dbc\"\n"),
-              HasSubstr((folder_ / "other.dbc").string() + ": cannot be opened"));
+              HasSubstr((folder_ / "other.dbc").string() + ": missing or cannot be opened"));
   EXPECT_THAT(refusal(section + "file = \"bases.dbc\"\n"), HasSubstr("holds no odometry"));
 }
 

@@ -56,6 +56,44 @@ TEST(WorldFile, SyntaxErrorNamesItsLine) {
   EXPECT_NE(loaded.error().message.find(".toml:2: "), std::string::npos);
 }
 
+TEST(WorldFile, WorldsThatFillTheMemoryAreRefused) {
+  const auto told = [](const std::string& text) {
+    const TestWorld world(text);
+    const auto loaded = load_world_file(world.path());
+    return loaded.ok() ? "" : loaded.error().message;
+  };
+  const std::string robot = "[[robot]]\nname = \"r1\"\npath = [[1, 1], [2, 1]]\n";
+  const auto rooms = [](int count, int side_m) {
+    std::string text;
+    for (int i = 0; i < count; ++i) {
+      const std::string x = std::to_string(i * side_m % 900);
+      text += "[[room]]\nname = \"a\"\nrect = [" + x + ", 0, " + x + "." + "9, " +
+              std::to_string(side_m) + "]\n";
+    }
+    return text;
+  };
+  const std::string large = "[[room]]\nname = \"a\"\nrect = [0, 0, 900, 900]\n";
+  const std::string far = "[[room]]\nname = \"a\"\nrect = [0, 0, 1e12, 1]\n";
+  EXPECT_EQ(told(rooms(1, 9) + robot), "");
+  EXPECT_NE(told(large + robot).find("5000 m2"), std::string::npos);
+  EXPECT_NE(told(far + robot).find("within 1000 m"), std::string::npos);
+  EXPECT_NE(told(rooms(501, 1) + robot).find("at most 500 rooms"), std::string::npos);
+  std::string many;
+  for (int i = 0; i < 65; ++i) many += robot;
+  EXPECT_NE(told(rooms(1, 9) + many).find("at most 64 robots"), std::string::npos);
+}
+
+TEST(WorldFile, ARobotsNameCanNameAFolder) {
+  for (const char* name :
+       {"../r1", "a/b", "..", "", "\\u001b[31m", "r1\\n", "0123456789012345678901234567890123"}) {
+    const TestWorld world("[[robot]]\nname = \"" + std::string(name) +
+                          "\"\npath = [[1, 1], [2, 1]]\n");
+    const auto loaded = load_world_file(world.path());
+    ASSERT_FALSE(loaded.ok());
+    EXPECT_NE(loaded.error().message.find("can name a folder"), std::string::npos) << name;
+  }
+}
+
 TEST(WorldFile, MissingFileIsAnError) {
   EXPECT_FALSE(load_world_file("/nowhere/none.toml").ok());
 }

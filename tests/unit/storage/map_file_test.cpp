@@ -64,6 +64,21 @@ TEST(MapFile, AFullMapIsRead) {
   EXPECT_EQ(decoded.map.landmarks.size(), kMaxStoredLandmarks);
 }
 
+TEST(MapFile, ARobotWithAnUnspeakableNameIsRefused) {
+  const TestSeed seed;
+  Random random(seed.value(), 1);
+  StoredMap map = random_map(3, random);
+  for (const char* name : {"r1\x1b[31m", "a\nb", "\u202egnp", "\xff"}) {
+    map.head.robot.assign(name);
+    const DecodedMap decoded = decode_map(encode_map(map));
+    EXPECT_EQ(decoded.fault, MapFault::kForeign);
+    EXPECT_NE(decoded.reason.find("name"), std::string::npos) << decoded.reason;
+    EXPECT_TRUE(decoded.map.landmarks.empty());
+  }
+  map.head.robot.assign("");
+  EXPECT_EQ(decode_map(encode_map(map)).fault, MapFault::kNone);
+}
+
 TEST(MapFile, WhatCannotBeToldIsLeftOut) {
   const TestSeed seed;
   Random random(seed.value(), 1);

@@ -152,7 +152,7 @@ TEST(Dbc, RefusesFilesThatAreNone) {
   EXPECT_THAT(parse_error("\xFF\x00\x01 hello\n"), HasSubstr("holds no signal"));
   const auto missing = load_dbc("/no/such/file.dbc");
   ASSERT_FALSE(missing.ok());
-  EXPECT_THAT(missing.error().message, HasSubstr("/no/such/file.dbc: cannot be opened"));
+  EXPECT_THAT(missing.error().message, HasSubstr("/no/such/file.dbc: missing or cannot be opened"));
   const auto folder = load_dbc("/");
   ASSERT_FALSE(folder.ok());
   EXPECT_THAT(folder.error().message, HasSubstr("cannot be read"));

@@ -1,0 +1,30 @@
+#pragma once
+// TOML files of other people, through toml++: what is too large or nested too deeply for it is an
+// error before it parses. Include this instead of toml++/toml.h.
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#define TOML_EXCEPTIONS 0
+#include <toml++/toml.h>
+
+#include "platform/base/result.h"
+
+namespace zenith {
+
+inline constexpr std::uint64_t kMaxTomlBytes = std::uint64_t{256} << 10U;
+inline constexpr std::size_t kMaxKeyDots = 32;  // a.b.c has two
+
+// The text of a regular file of at most kMaxTomlBytes.
+Result<std::string> read_toml(const std::filesystem::path& path);
+
+// As toml::parse(). Keys with more than kMaxKeyDots dots are an error as well: toml++ makes a table
+// of each part, and the stack does not last to take thousands of nested ones apart.
+toml::parse_result parse_toml(std::string_view text);
+
+// "path:line: what is wrong".
+Error toml_error(const std::filesystem::path& path, const toml::parse_error& error);
+
+}  // namespace zenith

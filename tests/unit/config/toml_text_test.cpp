@@ -1,0 +1,80 @@
+#include "platform/config/toml_text.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "platform/config/setting.h"
+#include "tests/support/hostile_files.h"
+#include "tests/unit/tools/temporary_folder.h"
+
+namespace zenith {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+std::string repeated(const std::string& text, std::size_t count) {
+  std::string all;
+  for (std::size_t i = 0; i < count; ++i) all += text;
+  return all;
+}
+
+TEST(TomlText, KeysThatNestWithoutEndAreRefusedWithTheirLine) {
+  const std::string deep = "a" + repeated(".a", 500'000);
+  for (const std::string& text : {"x = 1\n" + deep + " = 1\n", "x = 1\n[" + deep + "]\n",
+                                  "x = 1\n[[" + deep + "]]\n", "x = 1\ny = {" + deep + " = 1}\n",
+                                  "x = 1\n" + repeated("'a' . \"b\" .", 50'000) + "c = 1\n"}) {
+    const auto parsed = parse_toml(text);
+    ASSERT_FALSE(parsed) << text.substr(0, 40);
+    EXPECT_EQ(parsed.error().source().begin.line, 2u) << parsed.error().description();
+  }
+}
+
+TEST(TomlText, ManyDotsElsewhereAreNoKeys) {
+  const std::string dots(1000, '.');
+  for (const std::string& text :
+       {"# " + dots + "\nx = 1\n", "x = \"" + dots + "\"\n", "x = '" + dots + "'\n",
+        "x = \"\"\"\n\\\"" + dots + "\n\"\"\"\n", "x = '''\n" + dots + "\n'''\n",
+        "x = [" + repeated("1.5, ", 1000) + "2.5]\n", "x = \"a\\\\\"  # " + dots + "\n",
+        "a" + repeated(".b", kMaxKeyDots) + " = 1\n"}) {
+    EXPECT_TRUE(parse_toml(text)) << text.substr(0, 40);
+  }
+}
+
+TEST(TomlText, DeepestFilesThatAreTakenComeApartAgain) {
+  std::string text = "x = ";
+  for (int i = 0; i < 250; ++i) text += "{a" + repeated(".a", kMaxKeyDots) + " = ";
+  text += "1" + std::string(250, '}') + "\n";
+  EXPECT_TRUE(parse_toml(text));
+}
+
+TEST(TomlText, OnlyFilesOfASizeForPeopleAreRead) {
+  tools::TemporaryFolder folder;
+  const auto path = folder.path() / "robot.toml";
+  for (const Trap& trap : traps()) {
+    SCOPED_TRACE(trap.kind);
+    trap.lay(path);
+    Problems problems(path);
+    read_settings(path, {}, problems);
+    ASSERT_TRUE(problems.any());
+    EXPECT_THAT(problems.error().message, AllOf(HasSubstr(path.string()), HasSubstr(trap.told)));
+    std::filesystem::remove(path);
+  }
+}
+
+TEST(TomlText, ThousandsOfProblemsAreAHundredAndANumber) {
+  double value = 0.0;
+  const Settings settings = {{"camera.rate_hz", "1/s", 0, 100, "", &value}};
+  std::string text = "[camera]\n";
+  for (int i = 0; i < 20'000; ++i) text += "k" + std::to_string(i) + "=1\n";
+  text += std::string(20'000, 'x') + " = 1\n";
+  Problems problems("x.toml");
+  parse_settings(text, settings, problems);
+  const std::string message = problems.error().message;
+  EXPECT_THAT(message, AllOf(HasSubstr("x.toml:2: unknown key camera.k0"),
+                             HasSubstr("19901 more problems")));
+  EXPECT_LT(message.size(), 20'000u);
+}
+
+}  // namespace
+}  // namespace zenith
