@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "platform/linux/printable_output.h"
 #include "tools/atomic_output.h"
 #include "tools/commands.h"
 #include "tools/evaluation.h"
@@ -54,7 +55,7 @@ struct EvalOptions {
 };
 
 void print_run(const EvaluationRun& run) {
-  if (isatty(STDERR_FILENO) == 1) std::fputs("\r\033[K", stderr);
+  if (isatty(STDERR_FILENO) == 1) write_to_terminal("\r\033[K");
   std::printf("%s, seed %llu\n", run.world.c_str(), static_cast<unsigned long long>(run.seed));
   if (run.failure.empty()) {
     std::printf("%s\n", figures_text(run.figures).c_str());

@@ -9,6 +9,7 @@
 #include "platform/daemon/simulated/simulated_devices.h"
 #include "platform/linux/clock.h"
 #include "platform/linux/local_socket.h"
+#include "platform/linux/printable_output.h"
 #include "platform/linux/signals.h"
 #include "tools/commands.h"
 #include "tools/record/record.h"
@@ -59,12 +60,14 @@ class StatusLine {
     if (now < next_) return;
     next_ = now + pause();
     const double rate = f.seconds > 0.0 ? static_cast<double>(f.frames) / f.seconds : 0.0;
-    std::fprintf(
-        stderr, "%s%6.1f s  %llu frames (%.1f/s)  %llu CAN  %.1f MB  %llu left out  %.1f GB free%s",
+    char line[200];
+    std::snprintf(
+        line, sizeof line,
+        "%s%6.1f s  %llu frames (%.1f/s)  %llu CAN  %.1f MB  %llu left out  %.1f GB free%s",
         terminal_ ? "\r" : "", f.seconds, static_cast<unsigned long long>(f.frames), rate,
         static_cast<unsigned long long>(f.can), static_cast<double>(f.bytes) * 1e-6,
         static_cast<unsigned long long>(f.left_out), f.free_mb * 1e-3, terminal_ ? "  " : "\n");
-    std::fflush(stderr);
+    write_to_terminal(line);
     shown_ = true;
   }
 

@@ -5,6 +5,7 @@
 #include <exception>
 
 #include "platform/linux/cpu.h"
+#include "platform/linux/printable_output.h"
 #include "slam/kernels/isa_in_use.h"
 #include "tools/commands.h"
 #include "tools/overrides.h"
@@ -72,6 +73,7 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  zenith::make_output_printable();
   try {
     return run(argc, argv);
   } catch (const std::exception& error) {

@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <utility>
 
+#include "platform/linux/printable_output.h"
+
 namespace zenith::tools {
 namespace {
 
@@ -69,10 +71,11 @@ void Progress::draw_line(double fraction, double elapsed_s) {
   bar.resize(kWidth, '.');
   const bool done = fraction >= 1.0;
   const double left = elapsed_s * (1.0 - fraction) / std::max(fraction, 1e-6);
-  std::fprintf(stderr, "\r%-24s [%s] %3.0f %%  %s %s   ", title_.c_str(), bar.c_str(),
-               100.0 * fraction, clock_text(done ? elapsed_s : left).c_str(),
-               done ? "in all " : "to go  ");
-  std::fflush(stderr);
+  char line[160];
+  std::snprintf(line, sizeof line, "\r%-24s [%s] %3.0f %%  %s %s   ", title_.c_str(), bar.c_str(),
+                100.0 * fraction, clock_text(done ? elapsed_s : left).c_str(),
+                done ? "in all " : "to go  ");
+  write_to_terminal(line);
 }
 
 }  // namespace zenith::tools

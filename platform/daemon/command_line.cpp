@@ -17,6 +17,7 @@
 #include "platform/linux/cpu.h"
 #include "platform/linux/local_socket.h"
 #include "platform/linux/log.h"
+#include "platform/linux/printable_output.h"
 #include "platform/linux/realtime.h"
 #include "platform/linux/signals.h"
 #include "slam/kernels/isa_in_use.h"
@@ -221,6 +222,7 @@ int run(int argc, char** argv, MakeDevices make_devices) {
 
 int daemon_main(int argc, char** argv, MakeDevices make_devices) {
   pin_heap();
+  make_output_printable();
   try {
     return run(argc, argv, make_devices);
   } catch (const std::exception& error) {

@@ -10,6 +10,7 @@
 
 #include "platform/linux/clock.h"
 #include "platform/linux/log.h"
+#include "platform/linux/printable_output.h"
 #include "platform/linux/signals.h"
 #include "tools/ros2/bridge.h"
 
@@ -111,6 +112,7 @@ int run(Arguments& a) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  make_output_printable();
   CLI::App app("Zenith's robots as ROS 2's topics.", "zenith-ros2");
   Arguments arguments;
   try {
