@@ -9,6 +9,7 @@
 #include <cstdio>
 
 #include "platform/linux/errno_text.h"
+#include "platform/linux/input_file.h"
 
 namespace zenith::storage {
 namespace {
@@ -49,22 +50,13 @@ bool DiskFolder::exists(const std::string& name) {
 
 Result<std::vector<std::uint8_t>> DiskFolder::read(const std::string& name, std::size_t most) {
   const std::string path = path_of(name);
-  // A pipe or a device must not hold the start up.
-  const UniqueFd file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
-  if (!file.is_open()) return error_of("cannot read", path, errno);
-  struct stat info = {};
-  if (::fstat(file.get(), &info) != 0) return error_of("cannot read", path, errno);
-  if (!S_ISREG(info.st_mode)) return Error{"cannot read " + path + ": it is no regular file"};
-  std::vector<std::uint8_t> bytes(std::min(most + 1, static_cast<std::size_t>(info.st_size)));
-  std::size_t size = 0;
-  while (size < bytes.size()) {
-    const ssize_t count = ::read(file.get(), bytes.data() + size, bytes.size() - size);
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0) return error_of("cannot read", path, errno);
-    if (count == 0) break;
-    size += static_cast<std::size_t>(count);
-  }
-  bytes.resize(size);
+  const auto file = open_input(path);
+  if (!file) return Error{"cannot read " + file.error().message};
+  std::vector<std::uint8_t> bytes(std::min<std::uint64_t>(most + 1, file->bytes));
+  const std::ptrdiff_t size =
+      read_fully(file->fd.get(), reinterpret_cast<char*>(bytes.data()), bytes.size());
+  if (size < 0) return error_of("cannot read", path, errno);
+  bytes.resize(static_cast<std::size_t>(size));
   return bytes;
 }
 
