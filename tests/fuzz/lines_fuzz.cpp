@@ -1,0 +1,89 @@
+// Any text as what recordings hold line by line: the first byte chooses a CAN log, a list of frames
+// or a trajectory.
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "drivers/odometry/wheel_decoder.h"
+#include "platform/recording/can_log.h"
+#include "platform/recording/candump.h"
+#include "platform/recording/frame_list.h"
+#include "platform/recording/ground_truth.h"
+#include "tests/fuzz/require.h"
+
+namespace {
+
+using namespace zenith;  // NOLINT(google-build-using-namespace)
+
+constexpr LineLimits kLimits = {1 << 20, 256};
+
+void read_can(std::string_view text) {
+  InputLines lines(text, "can0.log", kLimits);
+  const auto log = parse_can_log(lines, "can0");
+  require(log.ok() == lines.status().ok());
+  if (!log) return;
+  require((log->malformed == 0) == log->first_malformed.empty());
+  WheelDecoder decoder;
+  Time last = {-1};
+  for (const CanFrame& frame : log->frames) {
+    require(frame.length <= 8);
+    if (const auto sample = decoder.decode(frame)) {
+      require(sample->stamp > last);
+      last = sample->stamp;
+    }
+    const std::string line = format_candump(frame, "can0");
+    CanFrame again;
+    std::string_view interface;
+    require(parse_candump(line, again, interface) == CandumpLine::kFrame);
+    require(interface == "can0" && again.id == frame.id && again.length == frame.length);
+    require(again.extended == frame.extended && again.data == frame.data);
+    require(again.stamp.ns == frame.stamp.ns / 1000 * 1000);
+  }
+}
+
+void read_frames(std::string_view text) {
+  InputLines lines(text, "data.csv", kLimits);
+  const auto frames = parse_frame_list(lines);
+  if (!frames) {
+    require(frames.error().message.starts_with("data.csv"));
+    return;
+  }
+  require(!frames->empty());
+  Time last = {-1};
+  for (const ListedFrame& frame : *frames) {
+    require(frame.stamp > last);
+    last = frame.stamp;
+    require(frame.filename.find('/') == std::string::npos && frame.filename[0] != '.');
+  }
+}
+
+void read_poses(std::string_view text) {
+  InputLines lines(text, "groundtruth.tum", kLimits);
+  const auto poses = parse_tum(lines);
+  if (!poses) return;
+  for (const StampedPose& pose : *poses) {
+    const auto there = pose_at(*poses, pose.stamp);
+    require(there && there->x_m == pose.pose.x_m);
+    (void)pose_at(*poses, Time{pose.stamp.ns + 1});
+    require(format_tum(pose).size() > 10);
+  }
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  if (size == 0) return 0;
+  const std::string_view text(reinterpret_cast<const char*>(data + 1), size - 1);
+  switch (data[0] % 3) {
+    case 0:
+      read_can(text);
+      break;
+    case 1:
+      read_frames(text);
+      break;
+    default:
+      read_poses(text);
+  }
+  return 0;
+}
