@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <optional>
+#include <utility>
 
+#include "platform/base/printable.h"
 #include "platform/linux/input_file.h"
 
 namespace zenith {
@@ -31,22 +33,59 @@ std::size_t end_of_string(std::string_view text, std::size_t start) {
   return text.size();
 }
 
-// Where a key goes beyond kMaxKeyDots.
-std::optional<std::size_t> find_deep_key(std::string_view text) {
-  std::size_t dots = 0;
+// What toml++ must not see, and where.
+struct Unfit {
+  std::size_t at = 0;
+  std::string what;
+};
+
+// toml++ takes for granted that a header goes on with a key.
+bool begins_header(std::string_view text, std::size_t at) {
+  at += text.substr(at, 2) == "[[" ? 2 : 1;
+  at = std::min(text.find_first_not_of(" \t", at), text.size());
+  if (at == text.size()) return true;
+  const char c = text[at];
+  return is_key_character(c) || c == '"' || c == '\'' || c == ']' || c == '[';
+}
+
+std::optional<Unfit> find_unfit(std::string_view text) {
+  std::size_t dots = 0;   // of the key at hand
+  std::size_t depth = 0;  // of brackets and braces
+  bool line_begins = true;
   for (std::size_t i = 0; i < text.size(); ++i) {
     const char c = text[i];
+    if (c == '[' && line_begins && depth == 0 && !begins_header(text, i)) {
+      return Unfit{i, "expected a section's name behind ["};
+    }
     if (c == '"' || c == '\'') {
       i = end_of_string(text, i) - 1;
       if (text[i] == '\n') dots = 0;
     } else if (c == '#') {
-      i = std::min(text.find('\n', i), text.size() - 1);
+      i = std::min(text.find('\n', i), text.size()) - 1;
       dots = 0;
     } else if (c == '.') {
-      if (++dots > kMaxKeyDots) return i;
+      if (++dots > kMaxKeyDots) {
+        return Unfit{i, "a key with more than " + std::to_string(kMaxKeyDots) + " dots"};
+      }
     } else if (!is_key_character(c)) {
       dots = 0;
     }
+    if (c == '[' || c == '{') ++depth;
+    if ((c == ']' || c == '}') && depth > 0) --depth;
+    line_begins = text[i] == '\n' || (line_begins && (c == ' ' || c == '\t'));
+  }
+  return std::nullopt;
+}
+
+// Within comments and strings, too.
+std::optional<Unfit> find_control_character(std::string_view text) {
+  for (std::size_t at = 0; at < text.size();) {
+    const Utf8Character character = first_character(text.substr(at));
+    const std::uint32_t code = character.code;
+    if (!character.valid) return Unfit{at, "a byte that is no UTF-8"};
+    const bool blank = code == '\t' || code == '\n' || code == '\r';
+    if ((code < 0x20 && !blank) || code == 0x7f) return Unfit{at, "a control character"};
+    at += character.size;
   }
   return std::nullopt;
 }
@@ -58,13 +97,13 @@ Result<std::string> read_toml(const std::filesystem::path& path) {
 }
 
 toml::parse_result parse_toml(std::string_view text) {
-  const auto deep = find_deep_key(text);
-  if (!deep) return toml::parse(text);
-  const auto lines =
-      std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(*deep), '\n');
+  auto unfit = find_control_character(text);
+  if (!unfit) unfit = find_unfit(text);
+  if (!unfit) return toml::parse(text);
+  const std::string_view before = text.substr(0, unfit->at);
+  const auto lines = std::count(before.begin(), before.end(), '\n');
   const toml::source_position place = {static_cast<toml::source_index>(lines + 1), 1};
-  return toml::parse_result(
-      toml::parse_error("a key with more than " + std::to_string(kMaxKeyDots) + " dots", place));
+  return toml::parse_result(toml::parse_error(std::move(unfit->what), place));
 }
 
 Error toml_error(const std::filesystem::path& path, const toml::parse_error& error) {

@@ -20,8 +20,10 @@ inline constexpr std::size_t kMaxKeyDots = 32;  // a.b.c has two
 // The text of a regular file of at most kMaxTomlBytes.
 Result<std::string> read_toml(const std::filesystem::path& path);
 
-// As toml::parse(). Keys with more than kMaxKeyDots dots are an error as well: toml++ makes a table
-// of each part, and the stack does not last to take thousands of nested ones apart.
+// As toml::parse(). What toml++ does not stand is an error before it: keys with more than
+// kMaxKeyDots dots (it makes a table of each part, and the stack does not last to take thousands of
+// nested ones apart), headers without a name (it asserts), control characters, bytes that are no
+// UTF-8.
 toml::parse_result parse_toml(std::string_view text);
 
 // "path:line: what is wrong".

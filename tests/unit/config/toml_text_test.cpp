@@ -30,6 +30,28 @@ TEST(TomlText, KeysThatNestWithoutEndAreRefusedWithTheirLine) {
   }
 }
 
+TEST(TomlText, HeadersWithoutANameAreRefusedWithTheirLine) {
+  for (const char* header :
+       {"[=]", "[\u00e9]", " [[.a]]", "[ ,", "[[]]", "[]", "[", "[ [a]]", "[#"}) {
+    const auto parsed = parse_toml("x = [\n[+1],\n  [{y = 1}]]\n" + std::string(header) + "\n");
+    ASSERT_FALSE(parsed) << header;
+    EXPECT_GE(parsed.error().source().begin.line, 4u) << header;
+  }
+  for (const char* header : {"[a]", "  [ a . b ]", "[[a]]", "[ \"\u00e9\" ]", "['']", "[1]"}) {
+    EXPECT_TRUE(parse_toml("x = [\n[+1],\n  [{y = 1}]]\n" + std::string(header) + "\n")) << header;
+  }
+}
+
+TEST(TomlText, ControlCharactersAndWhatIsNoUtf8AreRefusedWithTheirLine) {
+  for (const char* text : {"x = 1\n[\x06]\n", "x = 1\n# \x1b[31m\n", "x = 1\ny = '\x7f'\n",
+                           "x = 1\ny = '\xff'\n", "x = 1\n\xc0\xaf\n"}) {
+    const auto parsed = parse_toml(text);
+    ASSERT_FALSE(parsed) << text;
+    EXPECT_EQ(parsed.error().source().begin.line, 2u);
+  }
+  EXPECT_TRUE(parse_toml("# t\tab\r\nx = '\u00e9\u202e'\r\n"));
+}
+
 TEST(TomlText, ManyDotsElsewhereAreNoKeys) {
   const std::string dots(1000, '.');
   for (const std::string& text :
