@@ -257,17 +257,17 @@ bool Sessions::note_peer(int slot, const Opened& opened) {
     ++changes_;
     tell(LinkEventKind::kFound, session);
   }
-  const bool is_asked = is_newest && note_address(session, opened);
   Greetings greetings;
   // A fault when it cannot be read: see there.
   if (!read_greetings(opened.payload, session.id.robot, greetings)) return true;
+  if (is_for_us(greetings.response)) note_response(session, opened, greetings.response->nonce);
+  const bool is_asked = is_newest && note_address(session, opened);
   if (greetings.name && session.name.empty()) {
     session.name = *greetings.name;
     tell(LinkEventKind::kFound, session);
   }
   // One datagram gets one answer, which is not longer; the challenge comes again.
   if (is_for_us(greetings.challenge) && !is_asked) respond(opened, *greetings.challenge);
-  if (is_for_us(greetings.response)) note_response(session, opened, greetings.response->nonce);
   if (greetings.bye) {
     session.has_left = true;
     ++changes_;

@@ -67,10 +67,12 @@ class PeerAddress : public testing::Test {
     received_[from] += datagram.size();
     ada_.link().receive(now_, address_of(from), datagram, ada_);
   }
-  // Bert runs at `home`: what he sends comes from there, what is sent there reaches him. Returns
-  // how many datagrams he had sent when the first records came; 1000: none came.
-  int live(std::uint8_t home, double seconds) {
-    homes_.insert(home);
+  int live(std::uint8_t home, double seconds) { return live(home, home, seconds); }
+  // Bert runs at `home`: what he says to all comes from there, what he says to ada from `second`;
+  // what is sent to one of them reaches him. Returns how many datagrams he had sent when the first
+  // records came; 1000: none came.
+  int live(std::uint8_t home, std::uint8_t second, double seconds) {
+    homes_.insert({home, second});
     int said = 0;
     int said_until_served = 1000;
     const Time end = now_ + Duration::from_seconds(seconds);
@@ -79,11 +81,13 @@ class PeerAddress : public testing::Test {
       auto& link = bert_.link();
       for (Dispatch d = link.next(now_, room); d.size > 0; d = link.next(now_, room)) {
         ++said;
-        hear(home, Datagram(room.begin(), room.begin() + static_cast<std::ptrdiff_t>(d.size)));
+        hear(d.to_everybody ? home : second,
+             Datagram(room.begin(), room.begin() + static_cast<std::ptrdiff_t>(d.size)));
       }
       flush([&](Time, const Endpoint& to, const Datagram& datagram) {
-        if (to != address_of(home) && to != kToEverybody) return;
-        const bool is_served = to == address_of(home) && datagram.size() > kAnswerBytes;
+        const bool is_here = to == address_of(home) || to == address_of(second);
+        if (!is_here && to != kToEverybody) return;
+        const bool is_served = is_here && datagram.size() > kAnswerBytes;
         if (is_served) said_until_served = std::min(said_until_served, said);
         link.receive(now_, address_of(1), datagram, bert_);
       });
@@ -170,6 +174,15 @@ TEST_F(PeerAddress, ARobotWithTwoAddressesIsReachedAtOneOfThem) {
     (void)live(second % 2 == 0 ? kBert : kBert + 1, 1.0);
   }
   EXPECT_LE(ada_.link().sessions().counters().challenges - challenges, 30u);
+  EXPECT_EQ(bert_.replica(ada_)->size(), kLandmarks);
+}
+
+// What it says to all leaves by one card, what it says to ada alone by the other.
+TEST_F(PeerAddress, ARobotThatAnswersFromAnotherAddressIsReached) {
+  const std::uint64_t challenges = ada_.link().sessions().counters().challenges;
+  EXPECT_LE(live(77, 78, 60.0), 10);
+  EXPECT_LE(ada_.link().sessions().counters().challenges - challenges, 10u);
+  EXPECT_EQ(ada_.link().sessions().session(0)->address, address_of(77)) << "where it says most";
   EXPECT_EQ(bert_.replica(ada_)->size(), kLandmarks);
 }
 
