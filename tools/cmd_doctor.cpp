@@ -56,7 +56,9 @@ void add_doctor_command(CLI::App& app, int& exit_code) {
   doctor->footer(kHelp);
   doctor->add_option("--config", command->config,
                      "the daemon's configuration (/etc/zenith/zenith.toml, else defaults)");
-  doctor->add_option("--state", command->plan.state_folder, "the daemon's state folder, in which a relative map.folder lies")
+  doctor
+      ->add_option("--state", command->plan.state_folder,
+                   "the daemon's state folder, in which a relative map.folder lies")
       ->capture_default_str();
   doctor
       ->add_option("--watch", command->plan.watch_s,
