@@ -41,20 +41,21 @@ struct Unfit {
 
 // toml++ takes for granted that a header goes on with a key.
 bool begins_header(std::string_view text, std::size_t at) {
-  at += text.substr(at, 2) == "[[" ? 2 : 1;
+  const bool twice = text.substr(at, 2) == "[[";
+  at += twice ? 2 : 1;
   at = std::min(text.find_first_not_of(" \t", at), text.size());
   if (at == text.size()) return true;
   const char c = text[at];
-  return is_key_character(c) || c == '"' || c == '\'' || c == ']' || c == '[';
+  return is_key_character(c) || c == '"' || c == '\'' || c == ']' || (c == '[' && !twice);
 }
 
 std::optional<Unfit> find_unfit(std::string_view text) {
-  std::size_t dots = 0;   // of the key at hand
-  std::size_t depth = 0;  // of brackets and braces
+  std::size_t dots = 0;  // of the key at hand
+  std::string open;      // brackets and braces
   bool line_begins = true;
   for (std::size_t i = 0; i < text.size(); ++i) {
     const char c = text[i];
-    if (c == '[' && line_begins && depth == 0 && !begins_header(text, i)) {
+    if (c == '[' && line_begins && open.empty() && !begins_header(text, i)) {
       return Unfit{i, "expected a section's name behind ["};
     }
     if (c == '"' || c == '\'') {
@@ -67,11 +68,18 @@ std::optional<Unfit> find_unfit(std::string_view text) {
       if (++dots > kMaxKeyDots) {
         return Unfit{i, "a key with more than " + std::to_string(kMaxKeyDots) + " dots"};
       }
+    } else if ((static_cast<unsigned char>(c) & 0x80U) != 0) {
+      return Unfit{i, "a character outside of ASCII that stands in no quotes"};
     } else if (!is_key_character(c)) {
       dots = 0;
     }
-    if (c == '[' || c == '{') ++depth;
-    if ((c == ']' || c == '}') && depth > 0) --depth;
+    if (c == '[' || c == '{') open += c;
+    if ((c == ']' || c == '}') && !open.empty()) {
+      if (open.back() != (c == ']' ? '[' : '{')) {
+        return Unfit{i, std::string("expected the end of ") + open.back() + ", found " + c};
+      }
+      open.pop_back();
+    }
     line_begins = text[i] == '\n' || (line_begins && (c == ' ' || c == '\t'));
   }
   return std::nullopt;

@@ -32,7 +32,7 @@ TEST(TomlText, KeysThatNestWithoutEndAreRefusedWithTheirLine) {
 
 TEST(TomlText, HeadersWithoutANameAreRefusedWithTheirLine) {
   for (const char* header :
-       {"[=]", "[\u00e9]", " [[.a]]", "[ ,", "[[]]", "[]", "[", "[ [a]]", "[#"}) {
+       {"[=]", "[\u00e9]", " [[.a]]", "[ ,", "[[]]", "[]", "[", "[ [a]]", "[[[a]]]", "[#"}) {
     const auto parsed = parse_toml("x = [\n[+1],\n  [{y = 1}]]\n" + std::string(header) + "\n");
     ASSERT_FALSE(parsed) << header;
     EXPECT_GE(parsed.error().source().begin.line, 4u) << header;
@@ -42,9 +42,19 @@ TEST(TomlText, HeadersWithoutANameAreRefusedWithTheirLine) {
   }
 }
 
+TEST(TomlText, BracketsThatCloseOthersAreRefusedWithTheirLine) {
+  for (const char* text : {"x = 1\ny = [1,}\n", "x = 1\ny = {a = [1.5,}\n", "x = 1\n[y}\n",
+                           "x = 1\ny = {a = 1]\n", "x = 1\ny = [{a = [1, '}', \"]\"}]}]\n"}) {
+    const auto parsed = parse_toml(text);
+    ASSERT_FALSE(parsed) << text;
+    EXPECT_EQ(parsed.error().source().begin.line, 2u);
+  }
+}
+
 TEST(TomlText, ControlCharactersAndWhatIsNoUtf8AreRefusedWithTheirLine) {
-  for (const char* text : {"x = 1\n[\x06]\n", "x = 1\n# \x1b[31m\n", "x = 1\ny = '\x7f'\n",
-                           "x = 1\ny = '\xff'\n", "x = 1\n\xc0\xaf\n"}) {
+  for (const char* text :
+       {"x = 1\n[\x06]\n", "x = 1\n# \x1b[31m\n", "x = 1\ny = '\x7f'\n", "x = 1\ny = '\xff'\n",
+        "x = 1\n\xc0\xaf\n", "x = 1\n\u00cd = 1\n", "x = 1\ny = \u00cd\n"}) {
     const auto parsed = parse_toml(text);
     ASSERT_FALSE(parsed) << text;
     EXPECT_EQ(parsed.error().source().begin.line, 2u);
