@@ -1,24 +1,22 @@
 #include "tools/atomic_output.h"
 
 #include <fcntl.h>
-#include <signal.h>
+#include <stdio.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
-#include <charconv>
-#include <fstream>
 #include <utility>
+
+#include "platform/linux/errno_text.h"
+#include "platform/linux/whole_file.h"
 
 namespace zenith::tools {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view kPartial = ".partial-";
-
-std::string temporary_name(const fs::path& target, std::string_view kind) {
-  return "." + target.filename().string() + std::string(kind) + std::to_string(getpid());
-}
+constexpr std::string_view kOld = ".old-";  // an older output, while it gives way in two steps
 
 // "dir/name/" names the same folder as "dir/name".
 fs::path without_slash(const fs::path& path) {
@@ -26,20 +24,29 @@ fs::path without_slash(const fs::path& path) {
   return absolute.has_filename() ? absolute : absolute.parent_path();
 }
 
-// Removes what processes that no longer live have left of this target.
+// What processes that were killed have left of this target. Where an older output was about to give
+// way and nothing is in its place, it comes back.
 void sweep(const fs::path& target) {
-  const std::string prefix = "." + target.filename().string() + std::string(kPartial);
   std::error_code ignored;
-  for (const auto& entry : fs::directory_iterator(target.parent_path(), ignored)) {
-    const std::string name = entry.path().filename().string();
-    if (name.rfind(prefix, 0) != 0) continue;
-    pid_t pid = 0;
-    const char* end = name.data() + name.size();
-    const auto parsed = std::from_chars(name.data() + prefix.size(), end, pid);
-    if (parsed.ec != std::errc() || parsed.ptr != end || pid <= 0) continue;
-    if (kill(pid, 0) == 0 || errno != ESRCH) continue;
-    fs::remove_all(entry.path(), ignored);
-  }
+  sweep_partial(target, kPartial, [&](const fs::path& left) { fs::remove_all(left, ignored); });
+  sweep_partial(target, kOld, [&](const fs::path& left) {
+    if (fs::exists(fs::symlink_status(target, ignored))) {
+      fs::remove_all(left, ignored);
+    } else {
+      fs::rename(left, target, ignored);
+    }
+  });
+}
+
+UniqueFd open_folder(const fs::path& path) {
+  return UniqueFd(::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
+}
+
+bool is_same_folder(int fd, const fs::path& path) {
+  struct stat opened = {};
+  struct stat there = {};
+  return ::fstat(fd, &opened) == 0 && ::lstat(path.c_str(), &there) == 0 &&
+         opened.st_dev == there.st_dev && opened.st_ino == there.st_ino;
 }
 
 Status check_target(const fs::path& target, bool force, std::string_view marker) {
@@ -57,39 +64,44 @@ Status check_target(const fs::path& target, bool force, std::string_view marker)
   return {};
 }
 
-void sync_path(const fs::path& path, bool whole_filesystem) {
-  const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (file < 0) return;
-  if (whole_filesystem) {
-    syncfs(file);
-  } else {
-    fsync(file);
-  }
-  close(file);
-}
-
 }  // namespace
 
 Result<AtomicFolder> AtomicFolder::create(const fs::path& target, bool force,
                                           std::string_view marker) {
   const fs::path place = without_slash(target);
-  if (const Status checked = check_target(place, force, marker); !checked) return checked.error();
   std::error_code code;
   fs::create_directories(place.parent_path(), code);
   if (code) {
     return Error{place.parent_path().string() + ": cannot be created: " + code.message()};
   }
   sweep(place);
-  const fs::path temporary = place.parent_path() / temporary_name(place, kPartial);
-  fs::remove_all(temporary, code);
-  if (!fs::create_directory(temporary, code)) {
-    return Error{temporary.string() + ": cannot be created: " + code.message()};
+  if (const Status checked = check_target(place, force, marker); !checked) return checked.error();
+  constexpr int kTries = 20;
+  for (int i = 0; i < kTries; ++i) {
+    const fs::path temporary = place.parent_path() / partial_name(place, kPartial);
+    if (!fs::create_directory(temporary, code)) {
+      if (!code || code == std::errc::file_exists) continue;
+      return Error{temporary.string() + ": cannot be created: " + code.message()};
+    }
+    UniqueFd lock = open_folder(temporary);
+    // Swept by another program before it was locked: once more.
+    if (!lock.is_open() || !lock_file(lock.get()) || !is_same_folder(lock.get(), temporary)) {
+      continue;
+    }
+    AtomicFolder made(place, temporary, std::move(lock));
+    made.force_ = force;
+    made.marker_ = marker;
+    return made;
   }
-  return AtomicFolder(place, temporary);
+  return Error{place.string() + ": no name beside it is free"};
 }
 
 AtomicFolder::AtomicFolder(AtomicFolder&& other) noexcept
-    : target_(std::move(other.target_)), temporary_(std::exchange(other.temporary_, {})) {
+    : target_(std::move(other.target_)),
+      temporary_(std::exchange(other.temporary_, {})),
+      lock_(std::move(other.lock_)),
+      force_(other.force_),
+      marker_(std::move(other.marker_)) {
   other.temporary_.clear();
 }
 
@@ -98,47 +110,56 @@ AtomicFolder::~AtomicFolder() {
   if (!temporary_.empty()) fs::remove_all(temporary_, ignored);
 }
 
-Status AtomicFolder::commit() {
-  sync_path(temporary_, true);
-  const fs::path old = target_.parent_path() / temporary_name(target_, ".old-");
-  std::error_code code;
-  bool replaced = false;
-  if (fs::exists(fs::symlink_status(target_, code))) {
-    fs::rename(target_, old, code);
-    if (code) return Error{target_.string() + ": cannot be replaced: " + code.message()};
-    replaced = true;
+Status AtomicFolder::commit(Replace how) {
+  ::syncfs(lock_.get());
+  if (!is_same_folder(lock_.get(), temporary_)) {
+    temporary_.clear();
+    return Error{target_.string() +
+                 ": somebody has exchanged what was written; nothing was put "
+                 "into place"};
   }
-  fs::rename(temporary_, target_, code);
-  if (code) {
-    const std::string why = code.message();
-    if (replaced) fs::rename(old, target_, code);
-    return Error{target_.string() + ": cannot be put into place: " + why};
+  // It may have come, or changed, meanwhile.
+  if (const Status checked = check_target(target_, force_, marker_); !checked) return checked;
+  std::error_code code;
+  if (fs::exists(fs::symlink_status(target_, code))) {
+    if (const Status replaced = replace(how); !replaced) return replaced;
+  } else if (::rename(temporary_.c_str(), target_.c_str()) != 0) {
+    return Error{target_.string() + ": cannot be put into place: " + errno_text(errno)};
   }
   temporary_.clear();
-  sync_path(target_.parent_path(), false);
-  if (replaced) fs::remove_all(old, code);
+  const UniqueFd parent = open_folder(target_.parent_path());
+  if (parent.is_open()) ::fsync(parent.get());
+  return {};
+}
+
+Status AtomicFolder::replace(Replace how) {
+  std::error_code ignored;
+  const UniqueFd old_one = open_folder(target_);  // in use as long as it is here
+  if (old_one.is_open()) (void)lock_file(old_one.get());
+  if (how == Replace::kExchange &&
+      ::renameat2(AT_FDCWD, temporary_.c_str(), AT_FDCWD, target_.c_str(), RENAME_EXCHANGE) == 0) {
+    fs::remove_all(temporary_, ignored);
+    return {};
+  }
+  if (how == Replace::kExchange && errno != EINVAL && errno != ENOSYS && errno != EOPNOTSUPP) {
+    return Error{target_.string() + ": cannot be replaced: " + errno_text(errno)};
+  }
+  const fs::path old_place = target_.parent_path() / partial_name(target_, kOld);
+  if (::rename(target_.c_str(), old_place.c_str()) != 0) {
+    return Error{target_.string() + ": cannot be replaced: " + errno_text(errno)};
+  }
+  if (::rename(temporary_.c_str(), target_.c_str()) != 0) {
+    const int error = errno;
+    (void)::rename(old_place.c_str(), target_.c_str());
+    return Error{target_.string() + ": cannot be put into place: " + errno_text(error)};
+  }
+  fs::remove_all(old_place, ignored);
   return {};
 }
 
 Status write_file(const fs::path& path, std::string_view content) {
-  const fs::path place = without_slash(path);
-  const fs::path temporary = place.parent_path() / temporary_name(place, kPartial);
-  std::error_code code;
-  {
-    std::ofstream file(temporary, std::ios::binary);
-    file.write(content.data(), static_cast<std::streamsize>(content.size()));
-    file.close();
-    if (!file) {
-      fs::remove(temporary, code);
-      return Error{path.string() + ": cannot be written"};
-    }
-  }
-  sync_path(temporary, false);
-  fs::rename(temporary, place, code);
-  if (!code) return {};
-  const std::string why = code.message();
-  fs::remove(temporary, code);
-  return Error{path.string() + ": cannot be written: " + why};
+  const Status written = write_whole_file(without_slash(path), content);
+  return written ? written : Error{path.string() + ": " + written.error().message};
 }
 
 }  // namespace zenith::tools

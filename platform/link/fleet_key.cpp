@@ -13,6 +13,7 @@
 #include "platform/base/ensure.h"
 #include "platform/linux/errno_text.h"
 #include "platform/linux/unique_fd.h"
+#include "platform/linux/whole_file.h"
 
 namespace zenith {
 namespace {
@@ -151,27 +152,6 @@ void compose(SecretText& text, const FleetKeys& keys) {
   append_key(text, keys.previous);
 }
 
-Status write_text(const fs::path& file, const SecretText& text, int flags,
-                  const struct stat* like) {
-  const UniqueFd fd(
-      ::open(file.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW | flags, 0600));
-  if (!fd.is_open()) {
-    return error_of(file, errno == EEXIST
-                              ? "is there already and stays; `zenith key rotate` puts a new key "
-                                "into it"
-                              : errno_text(errno));
-  }
-  if (like != nullptr && (::fchown(fd.get(), like->st_uid, like->st_gid) != 0 ||
-                          ::fchmod(fd.get(), like->st_mode & 0640) != 0)) {
-    return error_of(file, errno_text(errno));
-  }
-  const ssize_t written = ::write(fd.get(), text.text.data(), text.size);
-  if (written != static_cast<ssize_t>(text.size) || ::fsync(fd.get()) != 0) {
-    return error_of(file, errno_text(written < 0 ? errno : ENOSPC));
-  }
-  return {};
-}
-
 }  // namespace
 
 SecretKey::~SecretKey() {
@@ -235,7 +215,14 @@ Status create_fleet_key(const fs::path& file) {
   FleetKeys keys;
   keys.current = SecretKey::random();
   compose(text, keys);
-  return write_text(file, text, O_EXCL, nullptr);
+  struct stat info = {};
+  if (::lstat(file.c_str(), &info) == 0) {
+    return error_of(file, "is there already and stays; `zenith key rotate` puts a new key into it");
+  }
+  constexpr mode_t kOwnerAlone = 0600;
+  const Status written =
+      write_whole_file(file, text.view(), {.replace = false, .mode = kOwnerAlone});
+  return written ? written : error_of(file, written.error().message);
 }
 
 namespace {
@@ -251,14 +238,9 @@ Status change_file(const fs::path& file, Change change) {
   if (const Status changed = change(keys); !changed) return changed;
   SecretText text;
   compose(text, keys);
-  const fs::path next = file.string() + ".new";
-  ::unlink(next.c_str());  // of a change that was cut short
-  if (const Status written = write_text(next, text, O_EXCL, &info); !written) {
-    ::unlink(next.c_str());
-    return written;
-  }
-  if (::rename(next.c_str(), file.c_str()) != 0) return error_of(file, errno_text(errno));
-  return {};
+  info.st_mode &= 0640;
+  const Status written = write_whole_file(file, text.view(), {.like = &info});
+  return written ? written : error_of(file, written.error().message);
 }
 
 }  // namespace

@@ -17,6 +17,7 @@
 #include "tools/commands.h"
 #include "tools/picture_file.h"
 #include "tools/progress.h"
+#include "tools/report/canvas.h"
 
 namespace zenith::tools {
 namespace {
@@ -125,7 +126,8 @@ Result<Boards> boards_of_camera(const LensCommand& command, const Target& target
   fs::create_directories(out / "views");
   for (const LiveView& view : *views) {
     const std::string name = view.board.name + ".png";
-    cv::imwrite((out / "views" / name).string(), view.image);
+    const Status kept = write_picture(out / "views" / name, view.image);
+    if (!kept) return kept.error();
     boards.seen.push_back(view.board);
   }
   return boards;

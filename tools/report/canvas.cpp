@@ -8,6 +8,8 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "tools/atomic_output.h"
+
 namespace zenith::tools {
 namespace {
 
@@ -150,17 +152,22 @@ void Canvas::vertical_text(const Eigen::Vector2d& at, const std::string& text, d
   cv::min(target, turned, target);
 }
 
+Status write_picture(const std::filesystem::path& path, const cv::Mat& picture) {
+  std::vector<std::uint8_t> bytes;
+  bool encoded = false;
+  try {
+    encoded = cv::imencode(path.extension().string(), picture, bytes);
+  } catch (const cv::Exception&) {
+    encoded = false;
+  }
+  if (!encoded) return Error{path.string() + ": no picture of this format can be written"};
+  return write_file(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+}
+
 Status Canvas::save(const std::filesystem::path& path) const {
   cv::Mat picture;
   cv::resize(page_, picture, {width_, height_}, 0.0, 0.0, cv::INTER_AREA);
-  bool saved = false;
-  try {
-    saved = cv::imwrite(path.string(), picture);
-  } catch (const cv::Exception&) {
-    saved = false;
-  }
-  if (!saved) return Error{path.string() + ": cannot be written"};
-  return {};
+  return write_picture(path, picture);
 }
 
 }  // namespace zenith::tools

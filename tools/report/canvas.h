@@ -24,6 +24,9 @@ inline constexpr Colour kGrey{140, 146, 152};
 inline constexpr Colour kPale{232, 235, 238};
 inline constexpr Colour kMagenta{214, 20, 160};
 
+// As a whole file, in the format that its ending names.
+Status write_picture(const std::filesystem::path& path, const cv::Mat& picture);
+
 // A colour for each robot, told apart by most colour-blind people too.
 Colour robot_colour(std::size_t index);
 

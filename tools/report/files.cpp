@@ -3,24 +3,16 @@
 #include <algorithm>
 #include <cstdarg>
 #include <cstdio>
-#include <fstream>
 
 #include "platform/recording/ground_truth.h"
 #include "platform/recording/seconds.h"
+#include "tools/atomic_output.h"
 #include "tools/report/figures_text.h"
 
 namespace zenith::tools {
 namespace {
 
 namespace fs = std::filesystem;
-
-Status save(const fs::path& path, const std::string& text) {
-  std::ofstream file(path, std::ios::binary);
-  file << text;
-  file.close();
-  if (!file) return Error{path.string() + ": cannot be written: is the disk full?"};
-  return {};
-}
 
 [[gnu::format(printf, 2, 3)]] void append(std::string& text, const char* format, ...) {
   char line[320];
@@ -203,10 +195,10 @@ Status write_files(const fs::path& folder, const TeamLog& log, const TeamFigures
         {"alignments.csv", alignments_text(log, robot)},
         {"confidence.csv", confidence_text(log, i)}};
     for (const auto& [name, text] : files) {
-      if (const Status saved = save(place / name, text); !saved) return saved;
+      if (const Status saved = write_file(place / name, text); !saved) return saved;
     }
   }
-  return save(folder / "summary.json", summary_text_of(log, figures, run));
+  return write_file(folder / "summary.json", summary_text_of(log, figures, run));
 }
 
 }  // namespace zenith::tools

@@ -1,5 +1,7 @@
 #include "platform/link/fleet_key.h"
 
+#include <signal.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -144,6 +146,52 @@ TEST_F(FleetKeyTest, RotatesAndKeepsRights) {
   ASSERT_TRUE(third.ok()) << third.error().message;
   EXPECT_TRUE(third->previous == second->current);
   EXPECT_EQ(tools::entries(folder_.path()), 1u);
+}
+
+// As on a disk that becomes full in the middle of the file.
+class ShortFiles {
+ public:
+  explicit ShortFiles(rlim_t bytes) {
+    handler_ = ::signal(SIGXFSZ, SIG_IGN);
+    ::getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit limit = {bytes, before_.rlim_max};
+    EXPECT_EQ(::setrlimit(RLIMIT_FSIZE, &limit), 0);
+  }
+  ~ShortFiles() {
+    ::setrlimit(RLIMIT_FSIZE, &before_);
+    ::signal(SIGXFSZ, handler_);
+  }
+
+ private:
+  rlimit before_ = {};
+  sighandler_t handler_ = SIG_DFL;
+};
+
+TEST_F(FleetKeyTest, AFullDiskLeavesNothingBehindAndTheNextCallSucceeds) {
+  {
+    const ShortFiles full(20);
+    const Status made = create_fleet_key(file_);
+    ASSERT_FALSE(made.ok());
+    EXPECT_THAT(made.error().message, HasSubstr("key file " + file_ + ": cannot be written"));
+  }
+  EXPECT_EQ(tools::entries(folder_.path()), 0u);
+  ASSERT_TRUE(create_fleet_key(file_).ok());
+  ASSERT_TRUE(rotate_fleet_key(file_).ok());
+  const std::string before = read_text(file_);
+  for (const auto change : {rotate_fleet_key, swap_fleet_keys}) {
+    const ShortFiles full(20);
+    EXPECT_FALSE(change(file_).ok());
+  }
+  EXPECT_EQ(read_text(file_), before);
+  EXPECT_EQ(tools::entries(folder_.path()), 1u);
+  EXPECT_TRUE(rotate_fleet_key(file_).ok());
+}
+
+TEST_F(FleetKeyTest, ALinkInThePlaceOfTheFileIsNotFollowed) {
+  const std::string other = (folder_.path() / "other").string();
+  ASSERT_EQ(::symlink(other.c_str(), file_.c_str()), 0);
+  EXPECT_FALSE(create_fleet_key(file_).ok());
+  EXPECT_EQ(tools::entries(folder_.path()), 1u) << "the link alone";
 }
 
 TEST_F(FleetKeyTest, SwapsTwoKeys) {

@@ -1,9 +1,12 @@
 #include "tools/atomic_output.h"
 
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <stdexcept>
+#include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -90,6 +93,140 @@ TEST(AtomicFolder, SweepsWhatAKilledProcessLeft) {
   EXPECT_EQ(entries(folder.path()), 1U) << "only our own";
   ASSERT_TRUE(output->commit().ok());
   EXPECT_EQ(entries(target), 0U);
+}
+
+// Left by a process that was killed between the two steps: the older output is not lost.
+TEST(AtomicFolder, AnOlderOutputThatGaveWayComesBack) {
+  const TemporaryFolder folder;
+  const fs::path target = folder.path() / "out";
+  fs::create_directory(folder.path() / ".out.old-0123456789abcdef");
+  write_text(folder.path() / ".out.old-0123456789abcdef" / "marker", "old");
+  { ASSERT_TRUE(AtomicFolder::create(target, true, "marker").ok()); }
+  EXPECT_EQ(read_text(target / "marker"), "old");
+  EXPECT_EQ(entries(folder.path()), 1U);
+  // And behind an output that is whole it goes.
+  fs::create_directory(folder.path() / ".out.old-fedcba9876543210");
+  { ASSERT_TRUE(AtomicFolder::create(target, true, "marker").ok()); }
+  EXPECT_EQ(read_text(target / "marker"), "old");
+  EXPECT_EQ(entries(folder.path()), 1U);
+}
+
+TEST(AtomicFolder, IsReplacedInTwoStepsWhereAFilesystemCannotExchange) {
+  const TemporaryFolder folder;
+  const fs::path target = folder.path() / "out";
+  for (const char* content : {"one", "two"}) {
+    auto output = AtomicFolder::create(target, true, "marker");
+    ASSERT_TRUE(output.ok());
+    write_text(output->path() / "marker", content);
+    ASSERT_TRUE(output->commit(AtomicFolder::Replace::kTwoSteps).ok());
+    EXPECT_EQ(read_text(target / "marker"), content);
+    EXPECT_EQ(entries(folder.path()), 1U);
+  }
+}
+
+TEST(AtomicFolder, ThereIsAnOutputAtEveryMomentWhileItIsReplaced) {
+  const TemporaryFolder folder;
+  const fs::path target = folder.path() / "out";
+  std::atomic<bool> stop = false;
+  std::atomic<int> missing = 0;
+  std::atomic<int> looked = 0;
+  std::thread reader;
+  for (int i = 0; i < 200; ++i) {
+    auto output = AtomicFolder::create(target, true, "marker");
+    ASSERT_TRUE(output.ok());
+    write_text(output->path() / "marker", "x");
+    ASSERT_TRUE(output->commit().ok());
+    if (i > 0) continue;
+    reader = std::thread([&] {
+      for (; !stop; ++looked) missing += ::access(target.c_str(), F_OK) != 0;
+    });
+  }
+  stop = true;
+  reader.join();
+  EXPECT_EQ(missing, 0) << "of " << looked;
+}
+
+TEST(AtomicFolder, WhatALivingProcessWritesIsNotSwept) {
+  const TemporaryFolder folder;
+  const fs::path target = folder.path() / "out";
+  auto first = AtomicFolder::create(target, true, "marker");
+  ASSERT_TRUE(first.ok());
+  write_text(first->path() / "marker", "first");
+  auto second = AtomicFolder::create(target, true, "marker");
+  ASSERT_TRUE(second.ok());
+  write_text(second->path() / "marker", "second");
+  ASSERT_TRUE(second->commit().ok());
+  ASSERT_TRUE(first->commit().ok());
+  EXPECT_EQ(read_text(target / "marker"), "first");
+  EXPECT_EQ(entries(folder.path()), 1U);
+}
+
+TEST(AtomicFolder, WhatIsNotItsOwnIsNotSwept) {
+  const TemporaryFolder folder;
+  const fs::path target = folder.path() / "out";
+  const fs::path mine = folder.path() / ".out.partial-1";
+  fs::create_directory(mine);
+  // Where others may rename what is ours, a name proves nothing.
+  fs::permissions(folder.path(), fs::perms::all);
+  { ASSERT_TRUE(AtomicFolder::create(target, true, "marker").ok()); }
+  EXPECT_TRUE(fs::exists(mine));
+  fs::permissions(folder.path(), fs::perms::owner_all);
+  if (::geteuid() == 0) {
+    ASSERT_EQ(::chown(mine.c_str(), 12345, 0), 0);
+    { ASSERT_TRUE(AtomicFolder::create(target, true, "marker").ok()); }
+    EXPECT_TRUE(fs::exists(mine)) << "of another user";
+    ASSERT_EQ(::chown(mine.c_str(), 0, 0), 0);
+  }
+  { ASSERT_TRUE(AtomicFolder::create(target, true, "marker").ok()); }
+  EXPECT_FALSE(fs::exists(mine));
+}
+
+// Somebody who can make files in the folder knows our number and plants what we would write to.
+TEST(WriteFile, PlantedLinksAreNeitherFollowedNorInTheWay) {
+  const TemporaryFolder folder;
+  const fs::path precious = folder.path() / "precious";
+  write_text(precious, "data");
+  const fs::path path = folder.path() / "map.csv";
+  const std::string planted = ".map.csv.partial-" + std::to_string(::getpid());
+  fs::create_symlink(precious, folder.path() / planted);
+  fs::create_symlink(precious, path);
+  ASSERT_TRUE(write_file(path, "new").ok());
+  EXPECT_EQ(read_text(precious), "data");
+  EXPECT_EQ(read_text(path), "new");
+  EXPECT_FALSE(fs::is_symlink(path));
+}
+
+TEST(AtomicFolder, APlantedFolderIsNotWrittenInto) {
+  const TemporaryFolder folder;
+  const TemporaryFolder theirs;
+  const fs::path target = folder.path() / "out";
+  fs::create_directory_symlink(theirs.path(),
+                               folder.path() / (".out.partial-" + std::to_string(::getpid())));
+  auto output = AtomicFolder::create(target, true, "marker");
+  ASSERT_TRUE(output.ok());
+  write_text(output->path() / "marker", "x");
+  ASSERT_TRUE(output->commit().ok());
+  EXPECT_EQ(entries(theirs.path()), 0U);
+  EXPECT_FALSE(fs::is_symlink(target));
+}
+
+TEST(WriteFile, ReplacesFilesAlone) {
+  const TemporaryFolder folder;
+  const fs::path pipe = folder.path() / "pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_FALSE(write_file(pipe, "x").ok());
+  EXPECT_TRUE(fs::is_fifo(pipe));
+  fs::create_directory(folder.path() / "folder");
+  EXPECT_FALSE(write_file(folder.path() / "folder", "x").ok());
+  EXPECT_EQ(entries(folder.path()), 2U);
+}
+
+TEST(WriteFile, SweepsWhatAKilledProcessLeft) {
+  const TemporaryFolder folder;
+  write_text(folder.path() / ".file.partial-0123456789abcdef", "half");
+  write_text(folder.path() / ".other.partial-0123456789abcdef", "half");
+  ASSERT_TRUE(write_file(folder.path() / "file", "x").ok());
+  EXPECT_EQ(entries(folder.path()), 2U) << "the other file's stays";
 }
 
 TEST(WriteFile, ReplacesWhole) {
