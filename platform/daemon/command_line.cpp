@@ -167,8 +167,10 @@ int check(const DaemonConfig& config, MakeDevices make_devices) {
   std::printf("map:       %d particles\n", config.slam.particles);
   std::printf("kernels:   %s\n", std::string(isa_name(isa_in_use())).c_str());
   print_limits(config.realtime);
-  std::printf("telemetry: %s\n",
-              config.telemetry.enabled ? runtime_path(config.telemetry.socket).c_str() : "none");
+  const auto socket = runtime_path(config.telemetry.socket);
+  std::printf("telemetry: %s\n", !config.telemetry.enabled ? "none"
+                                 : socket                  ? socket->c_str()
+                                                           : socket.error().message.c_str());
   print_map_folder(config.map);
   if (!print_fleet_key(config.radio)) return 2;
   std::printf("memory of the algorithm, all of it taken at the start:\n%s",

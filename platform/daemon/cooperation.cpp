@@ -60,8 +60,8 @@ void Cooperation::take_keys() {
 
 void Cooperation::send_own() {
   LandmarkRecord record;
-  while (exchange_.room_to_show() > 0 && exchange_.own.pop(record)) {
-    exchange_.shown.push(map_news(MapNews::kOwn, record));
+  while (exchange_.own.pop(record)) {
+    exchange_.shown.note(map_news(MapNews::kOwn, record));
     if (keeper_ != nullptr) keeper_->note(record);
     const bool told = link_ != nullptr && link_->send_own(record);
     (told ? sent_ : unheard_).fetch_add(1, kRelaxed);

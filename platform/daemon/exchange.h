@@ -5,6 +5,7 @@
 
 #include <cstdint>
 
+#include "platform/daemon/map_lines.h"
 #include "platform/daemon/perception_report.h"
 #include "platform/linux/snapshot.h"
 #include "platform/linux/spsc_queue.h"
@@ -38,32 +39,6 @@ struct OwnState {
   FixedVector<PeerReport, kMaxPeers> peers;
 };
 
-// What people who look are shown of the maps: a landmark that is new or changed, or is no more.
-struct MapNews {
-  enum class Kind : std::uint8_t {
-    kLandmark,
-    kRemoved,
-    kForget,  // the whole map of this peer
-  };
-  static constexpr int kOwn = -1;
-  int owner = kOwn;  // or a peer's slot; coordinates are the owner's own
-  Kind kind = Kind::kLandmark;
-  std::uint32_t id = 0;
-  std::array<float, 3> position_m = {};
-  std::array<float, 4> variance_m2 = {};  // xx xy yy zz
-  int observations = 0;
-};
-
-inline MapNews map_news(int owner, const LandmarkRecord& record) {
-  const auto& c = record.covariance_m2;
-  return {owner,
-          record.removed ? MapNews::Kind::kRemoved : MapNews::Kind::kLandmark,
-          record.id,
-          {record.x_m, record.y_m, record.z_m},
-          {c[0], c[1], c[3], c[5]},
-          record.observations};
-}
-
 struct Exchange {
   static constexpr std::size_t kRecords = 1024;  // 360 kB; a second's news of nine busy robots
 
@@ -72,9 +47,8 @@ struct Exchange {
   SpscQueue<PeerNews, kRecords> peers;       // cooperation -> perception
   SpscQueue<MergeNews, 128> merges_with_us;  // cooperation -> perception
 
-  // What finds no place in it waits with the records. 200 kB; four seconds' news.
-  SpscQueue<MapNews, 4096> shown;  // cooperation -> housekeeping
-  std::size_t room_to_show() const { return shown.capacity() - shown.size(); }
+  // What people who look are shown. It takes everything, at once: they hold nothing up.
+  MapLines shown;  // cooperation -> housekeeping
 };
 
 }  // namespace zenith

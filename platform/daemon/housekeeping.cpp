@@ -15,7 +15,6 @@ namespace zenith {
 namespace {
 
 constexpr Duration kSecond = {1'000'000'000};
-constexpr Duration kRepair = {5 * kSecond.ns};
 constexpr Duration kPicturePeriod = {250'000'000};
 
 // Whether it is time, and if so when it is again.
@@ -102,11 +101,12 @@ void Housekeeping::start(Time now) {
   started_ = now;
   light_changed_ = now;
   if (config_.telemetry.enabled) {
-    const Status opened = telemetry_.open(runtime_path(config_.telemetry.socket));
+    const auto path = runtime_path(config_.telemetry.socket);
+    const Status opened = path ? telemetry_.open(*path) : Status(path.error());
     if (opened) {
       log_line(LogLevel::kInfo, "telemetry: %s", telemetry_.path().c_str());
     } else {
-      log_lines(LogLevel::kWarning, opened.error().message);
+      log_lines(LogLevel::kWarning, opened.error().message + "; nobody can look");
     }
   }
   make_lights(config_.leds);
@@ -233,8 +233,8 @@ void Housekeeping::send_telemetry(Time now) {
   write_clock(hello, system_clock_offset());
   const bool new_reader = telemetry_.accept(hello.finish()) > 0;
   if (new_reader) next_health_ = now;
-  send_maps(now, new_reader);
   if (telemetry_.readers() == 0) return;
+  telemetry_.send_maps(exchange_.shown, [this](int slot) { return link_.name_of(slot); });
   send_picture(now);
   if (report_.has_pose && report_.stamp != pose_told_ &&
       due(next_pose_, now, Duration::from_seconds(1.0 / config_.telemetry.rate_hz))) {
@@ -244,20 +244,6 @@ void Housekeeping::send_telemetry(Time now) {
     telemetry_.send(pose.finish());
   }
   if (due(next_health_, now, kSecond)) send_second(now);
-}
-
-// The maps' news are taken in all the same: who comes later gets the whole.
-void Housekeeping::send_maps(Time now, bool new_reader) {
-  MapNews news;
-  while (exchange_.shown.pop(news)) maps_.note(news);
-  if (telemetry_.readers() == 0) return maps_.tell_nobody();
-  const bool lost = telemetry_.dropped() != dropped_;
-  if (new_reader || (lost && due(next_repair_, now, kRepair))) {
-    dropped_ = telemetry_.dropped();
-    maps_.tell_all();
-  }
-  maps_.tell([this](int slot) { return link_.name_of(slot); },
-             [this](std::string_view line) { telemetry_.send(line); });
 }
 
 void Housekeeping::send_picture(Time now) {

@@ -11,7 +11,6 @@
 #include "platform/daemon/cooperation.h"
 #include "platform/daemon/health.h"
 #include "platform/daemon/map_keeper.h"
-#include "platform/daemon/map_lines.h"
 #include "platform/daemon/perception.h"
 #include "platform/daemon/telemetry_socket.h"
 #include "platform/linux/service_notify.h"
@@ -46,7 +45,6 @@ class Housekeeping {
   void show_lights(Time now);
   void make_lights(const LedSettings& settings);
   void send_telemetry(Time now);
-  void send_maps(Time now, bool new_reader);
   void send_picture(Time now);
   void send_second(Time now);
   void feed_watchdog(Time now);
@@ -65,8 +63,6 @@ class Housekeeping {
   MapStatus stored_;
 
   TelemetrySocket telemetry_;
-  MapLines maps_;
-  std::uint64_t dropped_ = 0;  // lines, when the maps were told again for them
   std::unique_ptr<LedOutput> leds_;
   Time started_;
   PerceptionReport report_;
@@ -85,7 +81,6 @@ class Housekeeping {
   Time next_pose_;
   Time next_health_;
   Time next_picture_;
-  Time next_repair_;
   Time next_watchdog_;
   Time next_status_;
   Time pose_told_;

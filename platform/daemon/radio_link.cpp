@@ -213,12 +213,12 @@ std::size_t RadioLink::room(int slot) {
   if (slot < 0 || slot >= kPeerSlots) return 0;
   tell_forgotten();
   if (forgotten_[static_cast<std::size_t>(slot)]) return 0;
-  return std::min(Exchange::kRecords - exchange_.peers.size(), exchange_.room_to_show());
+  return Exchange::kRecords - exchange_.peers.size();
 }
 
 void RadioLink::take(int slot, const LandmarkRecord& record) {
   if (!exchange_.peers.push({slot, PeerNews::Kind::kRecord, record})) return;
-  exchange_.shown.push(map_news(slot, record));
+  exchange_.shown.note(map_news(slot, record));
   ++records_received_;
 }
 
@@ -231,10 +231,10 @@ void RadioLink::forget(int slot) {
 
 void RadioLink::tell_forgotten() {
   for (std::size_t slot = 0; slot < forgotten_.size(); ++slot) {
-    if (!forgotten_[slot] || exchange_.room_to_show() == 0) continue;
+    if (!forgotten_[slot]) continue;
     const int peer = static_cast<int>(slot);
     if (!exchange_.peers.push({peer, PeerNews::Kind::kForget, {}})) continue;
-    exchange_.shown.push({peer, MapNews::Kind::kForget});
+    exchange_.shown.note({peer, MapNews::Kind::kForget});
     forgotten_[slot] = false;
   }
 }

@@ -191,8 +191,7 @@ TEST_F(RecordSystemTest, ManyWhoConnectDoNotDisturb) {
   const std::uint64_t seen = frames_seen();
   std::vector<UniqueFd> held;
   for (int i = 0; i < 2000; ++i) {
-    int error = 0;
-    UniqueFd fd = connect_local(socket_, SOCK_STREAM, error);
+    UniqueFd fd = connect_local(socket_, SOCK_STREAM).fd;
     if (fd.is_open() && i % 7 == 0) held.push_back(std::move(fd));
     if (held.size() > 50) held.clear();
   }

@@ -22,9 +22,15 @@ using Json = nlohmann::json;
 
 // A number of a line, whatever else it may be.
 double number(const Json& line, const char* object, const char* key) {
-  const Json& from = object[0] == '\0' ? line : line.value(object, Json::object());
-  if (!from.is_object() || !from.contains(key) || !from[key].is_number()) return 0.0;
-  return from[key].get<double>();
+  if (object[0] != '\0') return line.contains(object) ? number(line[object], "", key) : 0.0;
+  if (!line.is_object() || !line.contains(key) || !line[key].is_number()) return 0.0;
+  return line[key].get<double>();
+}
+
+// False where something else stands.
+bool flag(const Json& line, const char* object, const char* key) {
+  if (object[0] != '\0') return line.contains(object) && flag(line[object], "", key);
+  return line.is_object() && line.contains(key) && line[key].is_boolean() && line[key].get<bool>();
 }
 
 std::string text(const Json& line, const char* key) {
@@ -35,12 +41,6 @@ std::string whole(double value) {
   char digits[32];
   std::snprintf(digits, sizeof digits, "%.0f", value);
   return digits;
-}
-
-int peer_of(int fd) {
-  ucred peer = {};
-  socklen_t size = sizeof(peer);
-  return ::getsockopt(fd, SOL_SOCKET, SO_PEERCRED, &peer, &size) == 0 ? peer.pid : 0;
 }
 
 // The last line of each type.
@@ -68,8 +68,8 @@ Finding check_health(const Json& health) {
 
 Finding check_devices(const Json& health) {
   const std::string what = "daemon devices";
-  const bool camera = health.value("/camera/up"_json_pointer, false);
-  const bool can = health.value("/can/up"_json_pointer, false);
+  const bool camera = flag(health, "camera", "up");
+  const bool can = flag(health, "can", "up");
   std::string found = std::string("camera ") + (camera ? "up" : "down") + ", " +
                       whole(number(health, "camera", "frames")) + " frames; CAN bus " +
                       (can ? "up" : "down") + ", " + whole(number(health, "wheels", "samples")) +
@@ -102,8 +102,8 @@ Finding check_peers(const std::map<std::string, Json>& lines) {
   const auto line = lines.find("radio");
   if (line == lines.end()) return skip(what, "it tells nothing of a radio");
   const Json& radio = line->second;
-  if (!radio.value("enabled", false)) return ok(what, "no radio: this robot maps alone");
-  if (!radio.value("open", false)) {
+  if (!flag(radio, "", "enabled")) return ok(what, "no radio: this robot maps alone");
+  if (!flag(radio, "", "open")) {
     return fail(what, "the radio is not open", "a port is taken, or sockets are not allowed",
                 "journalctl -u zenithd -n 50");
   }
@@ -126,23 +126,26 @@ DaemonFacts ask_daemon(const DaemonConfig& config, Duration patience) {
   DaemonFacts facts;
   UniqueFd fd;
   for (const std::string& path : runtime_paths(config.telemetry.socket)) {
-    int error = 0;
     if (facts.path.empty()) facts.path = path;
-    fd = connect_local(path, SOCK_SEQPACKET, error);
+    LocalConnection connection = connect_local(path, SOCK_SEQPACKET);
+    facts.pid = connection.pid;
+    fd = std::move(connection.fd);
     if (fd.is_open()) {
       facts.path = path;
       break;
     }
-    if (error == EACCES) facts.problem = path + ": " + errno_text(error);
+    facts.untrusted = facts.untrusted || connection.error == EPERM;
+    if (!connection.absent()) facts.problem = path + ": " + connection.why;
   }
   if (!fd.is_open()) return facts;
   facts.running = true;
-  facts.pid = peer_of(fd.get());
   const Time limit = monotonic_now() + patience;
   bool health = false;
   bool deadlines = false;
   bool radio = false;
-  while (monotonic_now() < limit && !(health && deadlines && radio)) {
+  constexpr std::size_t kMostLines = 4096;  // whoever tells more is no daemon
+  while (monotonic_now() < limit && !(health && deadlines && radio) &&
+         facts.lines.size() < kMostLines) {
     if (wait_readable(fd.get(), limit - monotonic_now()) <= 0) break;
     std::array<char, 8192> packet;
     const ssize_t size = ::recv(fd.get(), packet.data(), packet.size(), MSG_DONTWAIT);
@@ -157,8 +160,11 @@ DaemonFacts ask_daemon(const DaemonConfig& config, Duration patience) {
 
 Findings check_daemon(const DaemonFacts& facts) {
   const std::string what = "daemon";
+  if (!facts.running && facts.untrusted) {
+    return {warn(what, facts.problem, "nothing was asked there: see whose socket that is")};
+  }
   if (!facts.running && !facts.problem.empty()) {
-    return {warn(what, facts.problem, "it cannot be asked by this user: use sudo")};
+    return {warn(what, facts.problem, "it cannot be asked by this user, or hangs: use sudo")};
   }
   if (!facts.running) return {skip(what, "none is running (nobody listens at " + facts.path + ")")};
   const auto lines = by_type(facts.lines);

@@ -15,6 +15,7 @@ struct DaemonFacts {
   bool running = false;
   std::string path;                // of the socket that answered, or that is expected
   std::string problem;             // why it cannot be asked, though it seems to be there
+  bool untrusted = false;          // the problem: somebody listens who is not to be believed
   int pid = 0;                     // 0: unknown
   std::vector<std::string> lines;  // of JSON, one of each type at least when it is well
 };

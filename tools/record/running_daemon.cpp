@@ -11,10 +11,9 @@ namespace zenith::tools {
 namespace {
 
 bool listens(const std::string& path, int type) {
-  int error = 0;
-  const UniqueFd fd = connect_local(path, type, error);
-  // Full, or not for us: somebody is there all the same.
-  return fd.is_open() || error == EAGAIN || error == EACCES;
+  const LocalConnection connection = connect_local(path, type);
+  // Full, or not for us: a daemon is there all the same. One that is not trusted is none.
+  return connection.is_open() || (!connection.absent() && connection.error != EPERM);
 }
 
 }  // namespace

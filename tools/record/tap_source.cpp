@@ -96,18 +96,31 @@ class TapSource final : public RecordSource {
     const auto header = tap::read_header(header_bytes_);
     if (!header) return header.error();
     header_ = *header;
+    if (const Status expected = check_header(); !expected) return expected.error();
     body_.resize(header_.length);
     body_got_ = 0;
     return true;
+  }
+
+  // Before there is memory for it.
+  Status check_header() const {
+    const bool begins = header_.type == MessageType::kHello || header_.type == MessageType::kBusy;
+    if (has_hello_ ? header_.type == MessageType::kHello : !begins) {
+      return Error{path_ + ": nobody there that speaks as zenithd does"};
+    }
+    const Lens& lens = hello_.config.lens;
+    const std::size_t frame = tap::kFrameHeadBytes + static_cast<std::size_t>(lens.width_px) *
+                                                         static_cast<std::size_t>(lens.height_px);
+    if (header_.type == MessageType::kFrame && header_.length != frame) {
+      return Error{path_ + ": a frame of another size than the daemon told"};
+    }
+    return {};
   }
 
   // The message, when it is whole.
   Status hand_on(RecordSink& sink) {
     if (header_got_ < tap::kHeaderBytes || body_got_ < body_.size()) return {};
     header_got_ = 0;
-    if (!has_hello_ && header_.type != MessageType::kHello && header_.type != MessageType::kBusy) {
-      return Error{path_ + ": nobody there that speaks as zenithd does"};
-    }
     switch (header_.type) {
       case MessageType::kHello: {
         auto hello = tap::read_hello(body_);
@@ -174,15 +187,15 @@ class TapSource final : public RecordSource {
 Result<std::unique_ptr<RecordSource>> open_tap_source(const std::vector<std::string>& paths) {
   std::string tried;
   for (const std::string& path : paths) {
-    int error = 0;
-    UniqueFd fd = connect_local(path, SOCK_STREAM, error);
-    if (fd.is_open()) {
-      auto source = std::make_unique<TapSource>(std::move(fd), path);
+    LocalConnection connection = connect_local(path, SOCK_STREAM);
+    if (connection.is_open()) {
+      auto source = std::make_unique<TapSource>(std::move(connection.fd), path);
       if (const Status begun = source->begin(); !begun) return begun.error();
       return std::unique_ptr<RecordSource>(std::move(source));
     }
-    tried += "\n  " + path + ": " + errno_text(error);
-    if (error == EACCES) tried += "; only the daemon's own user and root may record: use sudo";
+    tried += "\n  " + path + ": " + connection.why;
+    if (connection.error == EACCES)
+      tried += "; only the daemon's own user and root may record: use sudo";
   }
   return Error{"no running zenithd was found:" + tried +
                "\nStart it (its log tells 'record: PATH'), or name its socket with --socket, or "

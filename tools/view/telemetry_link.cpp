@@ -61,10 +61,10 @@ void TelemetryLink::open() {
 void TelemetryLink::open_local() {
   std::string tried;
   for (const std::string& path : address_.paths) {
-    int error = 0;
-    fd_ = connect_local(path, SOCK_SEQPACKET, error);
+    LocalConnection connection = connect_local(path, SOCK_SEQPACKET);
+    fd_ = std::move(connection.fd);
     if (fd_.is_open()) return;
-    tried += (tried.empty() ? "" : "; ") + path + ": " + errno_text(error);
+    tried += (tried.empty() ? "" : "; ") + path + ": " + connection.why;
   }
   why_ = "no daemon's telemetry (" + tried + ")";
 }

@@ -29,7 +29,8 @@ DaemonTap make_daemon_tap(const DaemonConfig& config, const Devices& devices) {
   const Lens& lens = devices.robot.lens;
   made.tap = std::make_unique<Tap>(lens.width_px, lens.height_px, config.record.frames);
   made.server = std::make_unique<TapServer>(*made.tap, describe_robot(config, devices));
-  const Status opened = made.server->open(runtime_path(config.record.socket));
+  const auto path = runtime_path(config.record.socket);
+  const Status opened = path ? made.server->open(*path) : Status(path.error());
   if (opened) {
     log_line(LogLevel::kInfo, "record: %s", made.server->path().c_str());
   } else {

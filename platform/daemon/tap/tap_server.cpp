@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "platform/linux/clock.h"
-#include "platform/linux/local_socket.h"
 #include "platform/linux/log.h"
 
 namespace zenith::tap {
@@ -33,11 +32,11 @@ TapServer::TapServer(Tap& tap, const Hello& hello) : tap_(tap), hello_(write_hel
 
 Status TapServer::open(const std::string& path) {
   close();
+  if (hello_.empty()) return Error{"record socket " + path + ": the base's DBC file is too long"};
   constexpr unsigned kOwnerAlone = 0600;
   constexpr int kBacklog = 4;
   auto made = listen_local(path, SOCK_STREAM, kOwnerAlone, kBacklog);
   if (!made) return Error{"record socket " + path + ": " + made.error().message};
-  path_ = path;
   listener_ = std::move(*made);
   return {};
 }
@@ -45,9 +44,7 @@ Status TapServer::open(const std::string& path) {
 void TapServer::close() {
   tap_.stop();
   recorder_.reset();
-  listener_.reset();
-  if (!path_.empty()) ::unlink(path_.c_str());
-  path_.clear();
+  listener_.close();
 }
 
 void TapServer::run(const std::atomic<bool>& stop) {
@@ -67,7 +64,7 @@ void TapServer::turn(Duration wait_at_most) {
 void TapServer::wait(Duration longest) {
   std::array<pollfd, 2> entries = {};
   const bool accepts = listener_.is_open() && monotonic_now() >= next_accept_;
-  entries[0] = {accepts ? listener_.get() : -1, POLLIN, 0};
+  entries[0] = {accepts ? listener_.fd() : -1, POLLIN, 0};
   short events = 0;
   if (!ending_) events = POLLIN;
   if (blocked_) events = static_cast<short>(events | POLLOUT);
@@ -92,7 +89,7 @@ bool TapServer::is_ours(int fd) const {
 
 void TapServer::accept_one() {
   next_accept_ = monotonic_now() + kAcceptPause;
-  UniqueFd fd(::accept4(listener_.get(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
+  UniqueFd fd(::accept4(listener_.fd(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
   if (!fd.is_open() || !is_ours(fd.get())) return;
   if (recording()) {
     turn_away(std::move(fd));

@@ -16,7 +16,7 @@
 #include "platform/base/time.h"
 #include "platform/daemon/tap/tap.h"
 #include "platform/daemon/tap/wire.h"
-#include "platform/linux/unique_fd.h"
+#include "platform/linux/local_socket.h"
 
 namespace zenith::tap {
 
@@ -33,7 +33,7 @@ class TapServer {
   Status open(const std::string& path);
   // Removes the socket's file.
   void close();
-  const std::string& path() const { return path_; }
+  const std::string& path() const { return listener_.path(); }
 
   // The thread's body. A recorder gets its end before it returns, when it takes it soon.
   void run(const std::atomic<bool>& stop);
@@ -59,8 +59,7 @@ class TapServer {
 
   Tap& tap_;
   const std::vector<std::uint8_t> hello_;
-  std::string path_;
-  UniqueFd listener_;
+  LocalListener listener_;
   Time next_accept_;
 
   // The recorder, and what it is being sent: `head_`, then `body_`.

@@ -24,7 +24,7 @@ class ToldDaemon {
     if (!made) return false;
     listener_ = std::move(*made);
     return wait_until(limit_s, [&] {
-      reader_ = UniqueFd(::accept4(listener_.get(), nullptr, nullptr, SOCK_CLOEXEC));
+      reader_ = UniqueFd(::accept4(listener_.fd(), nullptr, nullptr, SOCK_CLOEXEC));
       return reader_.is_open();
     });
   }
@@ -34,13 +34,13 @@ class ToldDaemon {
   }
   void leave() {
     reader_.reset();
-    listener_.reset();
+    listener_.close();
   }
   const std::string& path() const { return path_; }
 
  private:
   const std::string path_;
-  UniqueFd listener_;
+  LocalListener listener_;
   UniqueFd reader_;
 };
 

@@ -18,23 +18,29 @@ class MapLinesTest : public testing::Test {
   static MapNews landmark(int owner, std::uint32_t id, float x = 1.0F) {
     return {owner, MapNews::Kind::kLandmark, id, {x, 2.0F, 2.5F}, {1e-4F, 0.0F, 2e-4F, 3e-4F}, 7};
   }
-  // All that is to be told, as a reader gets it.
-  std::vector<json> told() {
+  // All that is to be told to this reader.
+  std::vector<json> told(MapPlace& reader) {
     std::vector<json> lines;
-    std::size_t before = 0;
+    MapBatch batch;
     do {
-      before = lines.size();
-      maps_.tell([](int) { return "bert"; },
-                 [&](std::string_view line) { lines.push_back(json::parse(line)); });
-    } while (lines.size() > before);
+      maps_.next(
+          reader, [](int) { return "bert"; }, batch);
+      EXPECT_FALSE(batch.is_too_far_behind);
+      for (const std::string& line : batch.lines) lines.push_back(json::parse(line));
+      reader = batch.end;
+    } while (!batch.lines.empty());
     return lines;
   }
+  std::vector<json> told() { return told(reader_); }
   std::size_t landmarks_in(const std::vector<json>& lines) {
     std::size_t count = 0;
-    for (const json& line : lines) count += line["rows"].size() / 9;
+    for (const json& line : lines) {
+      if (line.contains("rows")) count += line["rows"].size() / 9;
+    }
     return count;
   }
   MapLines maps_;
+  MapPlace reader_;
 };
 
 TEST_F(MapLinesTest, TellsWhatIsNewOnceAndAllToWhoComesLater) {
@@ -47,8 +53,10 @@ TEST_F(MapLinesTest, TellsWhatIsNewOnceAndAllToWhoComesLater) {
   ASSERT_EQ(lines.size(), 1u);
   EXPECT_EQ(lines[0]["peer"], -1);
   EXPECT_EQ(lines[0]["rows"], json({17, 5.5, 2, 2.5, 1e-4, 0, 2e-4, 3e-4, 7}));
-  maps_.tell_all();
-  EXPECT_EQ(landmarks_in(told()), 301u);
+  MapPlace later;
+  EXPECT_EQ(landmarks_in(told(later)), 301u);
+  EXPECT_TRUE(later == reader_) << "readers that are equally far share lines";
+  EXPECT_TRUE(told().empty()) << "who comes does not cost the others anything";
 }
 
 TEST_F(MapLinesTest, TellsWhatIsGone) {
@@ -62,10 +70,16 @@ TEST_F(MapLinesTest, TellsWhatIsGone) {
   EXPECT_EQ(lines[0]["name"], "bert");
   EXPECT_EQ(lines[0]["gone"], json({5}));
   maps_.note({2, MapNews::Kind::kForget});
+  maps_.note(landmark(2, 9));  // of who takes the slot next
   lines = told();
-  ASSERT_EQ(lines.size(), 1u);
+  ASSERT_EQ(lines.size(), 2u);
   EXPECT_EQ(lines[0], json::parse(R"({"type":"forgotten","peer":2})"));
-  EXPECT_EQ(maps_.size(), 1u) << "the own one stays";
+  EXPECT_EQ(landmarks_in(lines), 1u);
+  EXPECT_EQ(maps_.size(), 2u) << "the own one stays";
+  MapPlace later;
+  lines = told(later);
+  EXPECT_EQ(landmarks_in(lines), 2u);
+  for (const json& line : lines) EXPECT_EQ(line["type"], "landmarks") << "nothing was there before";
 }
 
 TEST_F(MapLinesTest, IsBoundedAndEveryLineFits) {
@@ -78,12 +92,35 @@ TEST_F(MapLinesTest, IsBoundedAndEveryLineFits) {
   EXPECT_EQ(landmarks_in(told()), MapLines::kMostLandmarks);
 }
 
-TEST_F(MapLinesTest, KeepsTheMapWhileNobodyReads) {
+TEST_F(MapLinesTest, ManyOwnersChangesComeInFewLines) {
+  for (std::uint32_t id = 1; id <= MapLines::kBatchLandmarks; ++id) {
+    maps_.note(landmark(static_cast<int>(id % 8), id));
+  }
+  MapBatch batch;
+  maps_.next(
+      reader_, [](int) { return "bert"; }, batch);
+  EXPECT_LE(batch.lines.size(), 13u);
+  EXPECT_EQ(landmarks_in(told()), MapLines::kBatchLandmarks);
+}
+
+// One that does not read for hours, while landmarks come and go.
+TEST_F(MapLinesTest, WhoIsTooFarBehindBeginsAnewAndOthersDoNot) {
   maps_.note(landmark(MapNews::kOwn, 1));
-  maps_.tell_nobody();
+  MapPlace sleeper;
+  told(sleeper);
+  for (std::uint32_t id = 2; id < MapLines::kMostGone + 10; ++id) {
+    maps_.note(landmark(MapNews::kOwn, id));
+    told();
+    maps_.note({MapNews::kOwn, MapNews::Kind::kRemoved, id});
+    told();
+  }
+  MapBatch batch;
+  maps_.next(
+      sleeper, [](int) { return ""; }, batch);
+  EXPECT_TRUE(batch.is_too_far_behind);
   EXPECT_TRUE(told().empty());
-  maps_.tell_all();
-  EXPECT_EQ(landmarks_in(told()), 1u);
+  MapPlace again;
+  EXPECT_EQ(landmarks_in(told(again)), 1u);
 }
 
 TEST(PictureLines, HoldTheWholePictureWithTheMostCorners) {

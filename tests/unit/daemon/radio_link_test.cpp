@@ -159,6 +159,23 @@ TEST_F(RadioLinkTest, LosesNothingThatPerceptionHasNoRoomFor) {
   EXPECT_TRUE(run_until(ada, bert, [&] { return bert.records >= many; })) << bert.records;
 }
 
+// More than any queue holds; nobody takes out what people would be shown.
+TEST_F(RadioLinkTest, PeersRecordsDoNotWaitForWhatIsShown) {
+  Robot ada("ada");
+  Robot bert("bert");
+  constexpr int kMany = 2200;
+  for (int round = 1; round <= 2; ++round) {
+    for (int id = 1; id <= kMany; ++id) {
+      LandmarkRecord record = landmark(static_cast<std::uint32_t>(id));
+      record.observations = static_cast<std::uint16_t>(round);
+      ASSERT_TRUE(ada.link->send_own(record));
+    }
+    ASSERT_TRUE(run_until(
+        ada, bert, [&] { return bert.records >= round * kMany; }, 120.0))
+        << bert.records;
+  }
+}
+
 TEST_F(RadioLinkTest, TakesANewKeyWhileItRuns) {
   Robot ada("ada", 1);
   Robot bert("bert", 2);

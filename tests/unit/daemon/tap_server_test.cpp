@@ -30,9 +30,9 @@ struct Message {
 class Reader {
  public:
   explicit Reader(const std::string& path) {
-    int error = 0;
-    fd_ = connect_local(path, SOCK_STREAM, error);
-    EXPECT_TRUE(fd_.is_open()) << error;
+    LocalConnection connection = connect_local(path, SOCK_STREAM);
+    EXPECT_TRUE(connection.is_open()) << connection.why;
+    fd_ = std::move(connection.fd);
   }
   // What has come until now.
   std::vector<Message> messages() {
@@ -67,6 +67,7 @@ class TapServerTest : public testing::Test {
   void SetUp() override {
     Hello hello;
     hello.robot = "ada";
+    hello.can_interface = "can0";
     server_ = std::make_unique<TapServer>(tap_, hello);
     const Status opened = server_->open(path_);
     ASSERT_TRUE(opened.ok()) << opened.error().message;
@@ -188,8 +189,7 @@ TEST_F(TapServerTest, ASecondRecorderIsTurnedAway) {
 }
 
 TEST_F(TapServerTest, OneThatTalksInsteadOfListeningIsEnded) {
-  int error = 0;
-  const UniqueFd talker = connect_local(path_, SOCK_STREAM, error);
+  const UniqueFd talker = connect_local(path_, SOCK_STREAM).fd;
   turn_until(true);
   ASSERT_EQ(::send(talker.get(), "GET /", 5, MSG_NOSIGNAL), 5);
   turn_until(false);
@@ -200,8 +200,7 @@ TEST_F(TapServerTest, ManyThatConnectAreTakenInSlowly) {
   const Time begin = monotonic_now();
   int rounds = 0;
   for (; monotonic_now() < begin + Duration{300'000'000}; ++rounds) {
-    int error = 0;
-    many.push_back(connect_local(path_, SOCK_STREAM, error));
+    many.push_back(connect_local(path_, SOCK_STREAM).fd);
     turn(1);
     if (many.size() > 20) many.clear();
   }

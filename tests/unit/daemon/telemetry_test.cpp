@@ -1,7 +1,9 @@
 #include "platform/daemon/telemetry_socket.h"
 
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/un.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <cstring>
@@ -9,6 +11,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "platform/daemon/telemetry_lines.h"
 #include "platform/linux/local_socket.h"
@@ -55,6 +58,81 @@ TEST_F(TelemetryTest, AReaderThatDoesNotReadHoldsNobodyUp) {
   }
   EXPECT_GT(socket.dropped(), 0u);
   EXPECT_EQ(socket.readers(), 2u);
+}
+
+// One reader that does not read costs nobody else a line, and gets what it has missed itself.
+TEST_F(TelemetryTest, MapsGoOnForTheOthersAndTheSleeperCatchesUp) {
+  TelemetrySocket socket;
+  ASSERT_TRUE(socket.open(path_).ok());
+  MapLines maps;
+  const auto note = [&maps](std::uint32_t id) {
+    maps.note({MapNews::kOwn, MapNews::Kind::kLandmark, id, {}, {}, 1});
+  };
+  const auto send = [&] { socket.send_maps(maps, [](int) { return ""; }); };
+  const auto rows = [](const std::string& line) {
+    const auto json = nlohmann::json::parse(line, nullptr, false);
+    return json.is_object() && json.contains("rows") ? json["rows"].size() / 9 : 0u;
+  };
+  LineReader sleeper(path_);
+  LineReader awake(path_);
+  ASSERT_EQ(socket.accept("hello\n"), 2u);
+  constexpr std::uint32_t kMany = 500;
+  for (std::uint32_t id = 1; id <= kMany; ++id) note(id);
+  while (socket.dropped() == 0) {  // its room is full of other lines
+    socket.send(std::string(1000, 'x') + "\n");
+    awake.next();
+  }
+  std::size_t heard = 0;
+  for (int i = 0; i < 200; ++i) {
+    send();
+    for (std::string line; !(line = awake.next({1000})).empty();) heard += rows(line);
+  }
+  EXPECT_EQ(heard, kMany) << "each landmark once";
+  note(7);
+  std::size_t repeated = 0;
+  for (int i = 0; i < 200; ++i) {
+    send();
+    for (std::string line; !(line = awake.next({1000})).empty();) repeated += rows(line);
+  }
+  EXPECT_EQ(repeated, 1u);
+
+  std::size_t caught_up = 0;
+  for (int i = 0; i < 200; ++i) {
+    for (std::string line; !(line = sleeper.next({1000})).empty();) caught_up += rows(line);
+    send();
+  }
+  EXPECT_EQ(caught_up, kMany);
+  EXPECT_EQ(socket.readers(), 2u);
+}
+
+TEST_F(TelemetryTest, AcceptsFewAtOnceHoweverManyCome) {
+  TelemetrySocket socket;
+  ASSERT_TRUE(socket.open(path_).ok());
+  std::vector<std::unique_ptr<LineReader>> many;
+  for (std::size_t i = 0; i < TelemetrySocket::kReaders; ++i) {
+    many.push_back(std::make_unique<LineReader>(path_));
+  }
+  EXPECT_LE(socket.accept("hello\n"), static_cast<std::size_t>(TelemetrySocket::kAcceptsAtOnce));
+  EXPECT_GT(socket.accept("hello\n"), 0u) << "the others have their turn";
+}
+
+TEST_F(TelemetryTest, OneUserDoesNotTakeAllPlaces) {
+  if (::geteuid() != 0) GTEST_SKIP() << "SKIPPED: only root can act as another user";
+  ASSERT_EQ(::chmod(folder_.path().c_str(), 0755), 0);
+  TelemetrySocket socket;
+  ASSERT_TRUE(socket.open(path_).ok());
+  ASSERT_EQ(::chmod(path_.c_str(), 0666), 0);
+  constexpr uid_t kOther = 12345;
+  std::vector<std::unique_ptr<LineReader>> many;
+  for (std::size_t i = 0; i < TelemetrySocket::kReaders; ++i) {
+    ASSERT_EQ(::seteuid(kOther), 0);
+    many.push_back(std::make_unique<LineReader>(path_));
+    ASSERT_EQ(::seteuid(0), 0);
+    socket.accept("hello\n");
+  }
+  EXPECT_EQ(socket.readers(), TelemetrySocket::kReadersOfOne);
+  LineReader mine(path_);
+  EXPECT_EQ(socket.accept("hello\n"), 1u);
 }
 
 TEST_F(TelemetryTest, ForgetsReadersThatLeftAndTurnsAwayTooMany) {
@@ -130,8 +208,8 @@ TEST_F(TelemetryTest, SaysWhyItCannotOpen) {
 
 TEST(RuntimePath, IsTheServicesFolder) {
   setenv("RUNTIME_DIRECTORY", "/run/zenith:/run/other", 1);
-  EXPECT_EQ(runtime_path("t.sock"), "/run/zenith/t.sock");
-  EXPECT_EQ(runtime_path("/abs/t.sock"), "/abs/t.sock");
+  EXPECT_EQ(runtime_path("t.sock").value(), "/run/zenith/t.sock");
+  EXPECT_EQ(runtime_path("/abs/t.sock").value(), "/abs/t.sock");
   unsetenv("RUNTIME_DIRECTORY");
 }
 
