@@ -7,7 +7,9 @@
 #include <cstdio>
 #include <memory>
 #include <string>
+#include <string_view>
 
+#include "platform/base/printable.h"
 #include "platform/linux/clock.h"
 #include "tools/commands.h"
 #include "tools/view/telemetry_link.h"
@@ -35,17 +37,48 @@ bool take_request(TelemetryLink& link) {
   return size > 0;
 }
 
+// JSON holds no control character but as an escape.
+bool may_be_json(std::string_view line) {
+  while (!line.empty()) {
+    const Utf8Character character = first_character(line);
+    if (!character.valid || character.code < 0x20 || character.code == 0x7F) return false;
+    line.remove_prefix(character.size);
+  }
+  return true;
+}
+
+// Lines as they come, without what would steer a terminal: escapes of JSON in its place.
+class Printer {
+ public:
+  Printer() = default;
+  Printer(const Printer&) = delete;
+  Printer& operator=(const Printer&) = delete;
+  ~Printer() {
+    if (refused_ > 0) std::fprintf(stderr, "%llu lines that are no JSON were left out\n", refused_);
+  }
+
+  void print(std::string_view line) {
+    if (!may_be_json(line)) {
+      ++refused_;
+      return;
+    }
+    const std::string shown = printable(line) + "\n";
+    std::fwrite(shown.data(), 1, shown.size(), stdout);
+  }
+
+ private:
+  unsigned long long refused_ = 0;
+};
+
 int run_telemetry(const std::string& socket) {
   auto address = parse_robot_address(socket);
   if (!address.ok()) return fail(address.error());
   TelemetryLink link(std::move(*address));
+  Printer printer;
   bool listens = true;
   bool begun = false;
   while (true) {
-    link.turn(monotonic_now(), [](std::string_view line) {
-      std::fwrite(line.data(), 1, line.size(), stdout);
-      std::fputc('\n', stdout);
-    });
+    link.turn(monotonic_now(), [&printer](std::string_view line) { printer.print(line); });
     begun = begun || link.up();
     if (std::fflush(stdout) != 0) return 0;  // nobody reads any more
     if (link.fd() < 0) {

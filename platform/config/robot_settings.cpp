@@ -3,6 +3,8 @@
 #include <numbers>
 #include <type_traits>
 
+#include "platform/base/printable.h"
+
 namespace zenith {
 namespace {
 
@@ -66,8 +68,8 @@ bool folds(const Lens& lens) {
 
 bool is_interface_name(const std::string& name) {
   constexpr std::size_t kMostBytes = 15;  // IFNAMSIZ with its zero
-  return !name.empty() && name.size() <= kMostBytes &&
-         name.find_first_of("/ \t") == std::string::npos;
+  return !name.empty() && name.size() <= kMostBytes && name != "." && name != ".." &&
+         name.find_first_of("/: ") == std::string::npos && is_printable(name);
 }
 
 Settings slam_settings(Parameters& parameters) {

@@ -1,11 +1,14 @@
 #pragma once
 // One JSON object on one line, written into a fixed place: flat keys, numbers, texts, and arrays of
-// them. No number that JSON lacks is written: nan and infinity become null.
+// them. No number that JSON lacks is written: nan and infinity become null. Of texts, whoever they
+// are of, only what a terminal may get: other characters and bytes become blanks.
 
 #include <array>
 #include <cmath>
 #include <cstdio>
 #include <string_view>
+
+#include "platform/base/printable.h"
 
 namespace zenith {
 
@@ -76,14 +79,11 @@ class BasicJsonLine {
   }
   void quoted(std::string_view value) {
     put("\"");
-    for (const char c : value) {
-      const auto byte = static_cast<unsigned char>(c);
-      if (c == '"' || c == '\\') put("\\");
-      if (byte < 0x20) {
-        put(" ");
-      } else {
-        put({&c, 1});
-      }
+    while (!value.empty()) {
+      const Utf8Character character = first_character(value);
+      if (value[0] == '"' || value[0] == '\\') put("\\");
+      put(is_printable(character) ? value.substr(0, character.size) : " ");
+      value.remove_prefix(character.size);
     }
     put("\"");
   }

@@ -1,11 +1,11 @@
 #include "platform/recording/line_file.h"
 
-#include <fcntl.h>
 #include <unistd.h>
 
-#include <cerrno>
+#include <utility>
 
 #include "platform/linux/errno_text.h"
+#include "platform/linux/whole_file.h"
 
 namespace zenith {
 namespace {
@@ -14,10 +14,10 @@ constexpr std::size_t kKeep = 32'768;
 
 }  // namespace
 
-LineFile::LineFile(const std::filesystem::path& path)
-    : path_(path.string()),
-      fd_(::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666)),
-      error_(fd_.is_open() ? 0 : errno) {}
+LineFile::LineFile(Result<UniqueFd> file, const std::filesystem::path& path)
+    : path_(path.string()), error_(file ? std::string() : file.error().message) {
+  if (file) fd_ = std::move(*file);
+}
 
 void LineFile::add(std::string_view lines) {
   kept_ += lines;
@@ -25,22 +25,16 @@ void LineFile::add(std::string_view lines) {
 }
 
 Status LineFile::flush() {
-  std::string_view rest = kept_;
-  while (error_ == 0 && !rest.empty()) {
-    const ssize_t count = ::write(fd_.get(), rest.data(), rest.size());
-    if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) {
-      error_ = count < 0 ? errno : ENOSPC;
+  if (error_.empty()) {
+    if (const int error = write_all(fd_.get(), kept_); error != 0) {
+      error_ = path_ + ": cannot be written: " + errno_text(error);
       // Back to the last whole line.
       (void)!::ftruncate(fd_.get(), static_cast<off_t>(written_));
-      break;
     }
-    rest.remove_prefix(static_cast<std::size_t>(count));
   }
-  if (error_ == 0) written_ += kept_.size();
+  if (error_.empty()) written_ += kept_.size();
   kept_.clear();
-  if (error_ == 0) return {};
-  return Error{path_ + ": cannot be written: " + errno_text(error_)};
+  return error_.empty() ? Status() : Error{error_};
 }
 
 }  // namespace zenith

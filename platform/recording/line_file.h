@@ -15,8 +15,8 @@ namespace zenith {
 class LineFile {
  public:
   LineFile() = default;
-  // What cannot be opened tells so in flush(). An older file is replaced.
-  explicit LineFile(const std::filesystem::path& path);
+  // What could not be opened tells so in flush(). `path` names it in messages.
+  LineFile(Result<UniqueFd> file, const std::filesystem::path& path);
 
   bool is_open() const { return fd_.is_open(); }
   // `lines` ends with a line feed. Kept in memory until there are some, or flush().
@@ -30,7 +30,7 @@ class LineFile {
   UniqueFd fd_;
   std::string kept_;
   std::uint64_t written_ = 0;
-  int error_ = 0;  // errno
+  std::string error_;  // empty: none
 };
 
 }  // namespace zenith

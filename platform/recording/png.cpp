@@ -1,12 +1,16 @@
 #include "platform/recording/png.h"
 
+#include <fcntl.h>
 #include <spng.h>
 
+#include <cerrno>
 #include <cstdio>
 #include <cstring>
 #include <memory>
 #include <string>
+#include <utility>
 
+#include "platform/linux/errno_text.h"
 #include "platform/linux/input_file.h"
 
 namespace zenith {
@@ -111,8 +115,17 @@ Status read_grey_png(const std::filesystem::path& path, int width, int height,
 }
 
 Status write_grey_png(const std::filesystem::path& path, ImageView image, int compression) {
-  const File file(std::fopen(path.c_str(), "wb"));
-  if (!file) return Error{path.string() + ": cannot be created: " + std::strerror(errno)};
+  constexpr int kNew = O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC;
+  UniqueFd file(::open(path.c_str(), kNew, 0666));
+  if (!file.is_open()) return Error{path.string() + ": cannot be created: " + errno_text(errno)};
+  return write_grey_png(std::move(file), path, image, compression);
+}
+
+Status write_grey_png(UniqueFd fd, const std::filesystem::path& path, ImageView image,
+                      int compression) {
+  const File file(::fdopen(fd.get(), "wb"));
+  if (!file) return Error{path.string() + ": cannot be written: " + errno_text(errno)};
+  (void)fd.release();
   const Context context(spng_ctx_new(SPNG_CTX_ENCODER));
   spng_set_png_file(context.get(), file.get());
   spng_set_option(context.get(), SPNG_IMG_COMPRESSION_LEVEL, compression);
@@ -132,7 +145,7 @@ Status write_grey_png(const std::filesystem::path& path, ImageView image, int co
     return Error{path.string() + ": cannot be written (" + spng_strerror(code) + ")"};
   }
   if (std::fflush(file.get()) != 0) {
-    return Error{path.string() + ": cannot be written: " + std::strerror(errno)};
+    return Error{path.string() + ": cannot be written: " + errno_text(errno)};
   }
   return {};
 }

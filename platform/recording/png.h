@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "platform/base/result.h"
+#include "platform/linux/unique_fd.h"
 #include "slam/image/image.h"
 
 namespace zenith {
@@ -20,7 +21,11 @@ Status parse_grey_png(std::string_view png, const std::string& name, int width, 
 Status read_grey_png(const std::filesystem::path& path, int width, int height,
                      std::vector<std::uint8_t>& pixels);
 
-// `compression`: 0, none, to 9; a higher level takes much longer and saves little.
+// A new file; one that is there already is an error. `compression`: 0, none, to 9; a higher level
+// takes much longer and saves little.
 Status write_grey_png(const std::filesystem::path& path, ImageView image, int compression = 1);
+// Into a file that is open for writing, and closed then. `path` names it in messages.
+Status write_grey_png(UniqueFd file, const std::filesystem::path& path, ImageView image,
+                      int compression = 1);
 
 }  // namespace zenith

@@ -1,13 +1,16 @@
 #pragma once
-// Writing a recording into a folder. At any moment the folder can be read: a frame is listed when
-// its file is complete, and lists hold whole lines (line_file.h).
+// Writing a recording into a new folder. At any moment the folder can be read: a frame is listed
+// when its file is complete, and lists hold whole lines (line_file.h). Files are new ones in the
+// folder that was made, whatever becomes of its path (new_folder.h).
 
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 #include "drivers/odometry/can_frame.h"
 #include "platform/base/result.h"
+#include "platform/linux/new_folder.h"
 #include "platform/recording/line_file.h"
 #include "platform/recording/robot_file.h"
 #include "slam/geometry.h"
@@ -18,7 +21,8 @@ namespace zenith {
 
 class RecordingWriter {
  public:
-  // Makes `folder` and writes the robot's description.
+  // Makes `folder`, which must not exist, and writes the robot's description. The interface's name
+  // is one (is_interface_name()).
   static Result<RecordingWriter> create(const std::filesystem::path& folder,
                                         const RobotConfig& config, const RobotFile& robot);
 
@@ -28,10 +32,12 @@ class RecordingWriter {
   void add_truth(Time stamp, const Pose2& T_world_robot);
   void add_estimate(Time stamp, const Pose2& T_start_robot);
 
-  // For those who write frames elsewhere, on other threads: where its file belongs, and, in the
-  // order of stamps, that it is complete.
-  std::filesystem::path frame_path(Time stamp) const;
+  // The two halves of add_frame(). On any threads: the frame's file; its size in bytes, or nothing
+  // is left of it. And, in the order of stamps, that it is complete.
+  Result<std::uint64_t> write_frame(Time stamp, ImageView frame, int compression) const;
   void list_frame(Time stamp);
+  // Another file of the recording's folder.
+  Status add_file(const std::string& name, std::string_view content) const;
 
   // What was added so far is in its files then.
   Status flush();
@@ -42,9 +48,10 @@ class RecordingWriter {
   std::uint64_t list_bytes() const;
 
  private:
-  RecordingWriter(std::filesystem::path folder, std::string interface);
+  RecordingWriter(NewFolder folder, NewFolder camera, NewFolder frames, std::string interface);
 
-  std::filesystem::path folder_;
+  NewFolder folder_;
+  NewFolder frames_;
   std::string interface_;
   LineFile frame_list_;
   LineFile can_log_;

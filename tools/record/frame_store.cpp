@@ -4,14 +4,7 @@
 #include <chrono>
 #include <cstring>
 
-#include "platform/recording/png.h"
-
 namespace zenith::tools {
-namespace {
-
-namespace fs = std::filesystem;
-
-}  // namespace
 
 FrameStore::FrameStore(RecordingWriter& writer, int compression, int threads)
     : writer_(writer), compression_(compression) {
@@ -90,15 +83,11 @@ FrameStore::Place* FrameStore::take() {
 
 void FrameStore::work() {
   while (Place* place = take()) {
-    const fs::path path = writer_.frame_path(place->stamp);
     const ImageView image = {place->pixels.data(), place->width, place->height, place->width};
-    const Status written = write_grey_png(path, image, compression_);
-    std::error_code code;
-    const std::uint64_t bytes = written ? fs::file_size(path, code) : 0;
-    if (!written) fs::remove(path, code);
+    const auto written = writer_.write_frame(place->stamp, image, compression_);
     {
       const std::scoped_lock lock(mutex_);
-      place->bytes = code ? 0 : bytes;
+      place->bytes = written ? *written : 0;
       place->error = written ? std::optional<Error>() : std::optional<Error>(written.error());
       place->state = State::kDone;
     }

@@ -9,7 +9,6 @@
 
 #include "platform/linux/clock.h"
 #include "platform/recording/layout.h"
-#include "tools/atomic_output.h"
 #include "tools/record/frame_store.h"
 
 namespace zenith::tools {
@@ -35,7 +34,7 @@ Result<RecordingWriter> create_writer(const fs::path& out, const tap::Hello& rob
   file.odometry.dbc.file = has_dbc ? kDbcName : "";
   auto writer = RecordingWriter::create(out, robot.config, file);
   if (!writer || !has_dbc) return writer;
-  const Status copied = write_file(out / kDbcName, robot.dbc);
+  const Status copied = writer->add_file(kDbcName, robot.dbc);
   if (!copied) return copied.error();
   return writer;
 }
@@ -127,7 +126,6 @@ Status check_record_target(const fs::path& out) {
   std::error_code code;
   const fs::file_status status = fs::symlink_status(out, code);
   if (!fs::exists(status)) return {};
-  if (fs::is_directory(status) && fs::is_empty(out, code) && !code) return {};
   return Error{out.string() + ": exists already; recordings are never overwritten: name another"};
 }
 

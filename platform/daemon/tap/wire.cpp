@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "drivers/odometry/dbc.h"
 #include "platform/base/bytes.h"
+#include "platform/base/printable.h"
+#include "platform/config/robot_settings.h"
 
 namespace zenith::tap {
 namespace {
@@ -11,6 +14,8 @@ namespace {
 constexpr std::string_view kMagic = "ZTAP";
 constexpr int kMaxSide = 8192;
 constexpr std::size_t kHelloRoom = std::size_t{8} * 1024;  // texts and DBC file come on top
+constexpr std::size_t kMostText = 4096;
+constexpr double kMostNumber = 1e6;  // metres, pixels, radians: of no robot
 
 std::span<const std::uint8_t> bytes_of(std::string_view text) {
   return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
@@ -66,8 +71,9 @@ struct ReadValue {
     return kind == 3;
   }
   bool operator()(std::string* (*at)(WheelCodecConfig&)) const {
-    *at(config) = in.text();
-    return kind == 4;
+    const std::string_view text = in.text();
+    *at(config) = text;
+    return kind == 4 && text.size() <= kMostText && is_printable(text);
   }
   bool operator()(WheelQuantity* (*at)(WheelCodecConfig&)) const {
     const auto quantity = find_wheel_quantity(in.text());
@@ -86,6 +92,27 @@ void write_odometry(ByteWriter& out, WheelCodecConfig config) {
   }
 }
 
+// What a person reads. Nothing in it steers a terminal.
+bool read_text(ByteReader& in, std::string& text) {
+  const std::string_view raw = in.text();
+  if (raw.size() > kMostText) return false;
+  text = printable(raw);
+  return true;
+}
+
+// Keys of other codecs are nothing that anybody reads: those may have any value.
+bool is_in_range(const WheelCodecField& field, WheelCodecConfig& config) {
+  if (!field.belongs_to(config.kind)) return true;
+  const auto within = [&field](double value) { return value >= field.min && value <= field.max; };
+  if (const auto* at = std::get_if<double* (*)(WheelCodecConfig&)>(&field.at)) {
+    return within(*(*at)(config));
+  }
+  if (const auto* at = std::get_if<std::uint32_t* (*)(WheelCodecConfig&)>(&field.at)) {
+    return within(*(*at)(config));
+  }
+  return true;
+}
+
 bool read_odometry(ByteReader& in, WheelCodecConfig& config) {
   const auto kind = find_wheel_codec(in.text());
   if (!kind) return false;
@@ -97,8 +124,19 @@ bool read_odometry(ByteReader& in, WheelCodecConfig& config) {
     const auto field = std::find_if(fields.begin(), fields.end(),
                                     [key](const WheelCodecField& f) { return f.key == key; });
     if (field == fields.end() || !std::visit(ReadValue{in, config, type}, field->at)) return false;
+    if (!is_in_range(*field, config)) return false;
   }
   return !in.failed();
+}
+
+// Lines of text that a decoder understands, where one is wanted.
+bool is_dbc(const WheelCodecConfig& odometry, const std::string& content) {
+  const auto steers = [](char c) {
+    const auto byte = static_cast<unsigned char>(c);
+    return byte == 0x7F || (byte < 0x20 && c != '\n' && c != '\r' && c != '\t' && c != '\f');
+  };
+  if (std::any_of(content.begin(), content.end(), steers)) return false;
+  return odometry.kind != WheelCodecKind::kDbc || parse_dbc(content, "the base's DBC file").ok();
 }
 
 // --- the robot -----------------------------------------------------------------------------------
@@ -123,7 +161,7 @@ bool read_robot(ByteReader& in, RobotConfig& config) {
   };
   const auto number = [&] {
     const double value = in.f64();
-    good = good && std::isfinite(value);
+    good = good && std::isfinite(value) && std::abs(value) <= kMostNumber;
     return value;
   };
   Lens& l = config.lens;
@@ -195,12 +233,31 @@ std::size_t write_busy(std::span<std::uint8_t> room) {
   return write_message(MessageType::kBusy, room, [](ByteWriter&) {});
 }
 
+// Bytes after the header; later versions may add fields.
+std::uint32_t longest(MessageType type) {
+  constexpr std::uint32_t kHello = 20'000'000;  // a DBC file of 16 MB, with room to spare
+  constexpr std::uint32_t kSmall = 16'384;
+  switch (type) {
+    case MessageType::kFrame:
+      return kMaxLength;
+    case MessageType::kHello:
+      return kHello;
+    case MessageType::kCan:
+    case MessageType::kPose:
+    case MessageType::kEnd:
+    case MessageType::kBusy:
+      break;
+  }
+  return kSmall;
+}
+
 Result<Header> read_header(std::span<const std::uint8_t, kHeaderBytes> bytes) {
   ByteReader in(bytes);
   const std::uint32_t length = in.u32();
   const std::uint8_t type = in.u8();
-  if (length > kMaxLength || type < static_cast<std::uint8_t>(MessageType::kHello) ||
-      type > static_cast<std::uint8_t>(MessageType::kBusy)) {
+  if (type < static_cast<std::uint8_t>(MessageType::kHello) ||
+      type > static_cast<std::uint8_t>(MessageType::kBusy) ||
+      length > longest(static_cast<MessageType>(type))) {
     return wrong("header");
   }
   return Header{length, static_cast<MessageType>(type)};
@@ -217,14 +274,22 @@ Result<Hello> read_hello(std::span<const std::uint8_t> bytes) {
                  ": use the tool that came with the daemon"};
   }
   Hello hello;
+  const auto refused = [](const char* what, std::string_view found) {
+    return Error{std::string("the daemon's message 'hello' tells a ") + what + " that is none: '" +
+                 printable_start(found, 64) + "'"};
+  };
   hello.robot = in.text();
-  hello.software = in.text();
-  hello.devices = in.text();
+  if (!in.failed() && !is_robot_name(hello.robot)) return refused("robot's name", hello.robot);
+  if (!read_text(in, hello.software) || !read_text(in, hello.devices)) return wrong("hello");
   if (!read_robot(in, hello.config)) return wrong("hello");
   hello.can_interface = in.text();
+  if (!in.failed() && !is_interface_name(hello.can_interface)) {
+    return refused("CAN interface", hello.can_interface);
+  }
   if (!read_odometry(in, hello.odometry)) return wrong("hello");
   hello.dbc = in.text();
   if (in.failed()) return wrong("hello");
+  if (!is_dbc(hello.odometry, hello.dbc)) return refused("DBC file", hello.dbc);
   return hello;  // later versions may add fields
 }
 
@@ -282,8 +347,7 @@ Result<End> read_end(std::span<const std::uint8_t> bytes) {
                                &end.poses, &end.poses_dropped}) {
     *count = in.u64();
   }
-  end.why = in.text();
-  if (in.failed()) return wrong("end");
+  if (!read_text(in, end.why) || in.failed()) return wrong("end");
   return end;
 }
 

@@ -94,7 +94,9 @@ std::size_t write_pose(const TappedPose& pose, std::span<std::uint8_t> room);
 std::size_t write_end(const End& end, std::span<std::uint8_t> room);
 std::size_t write_busy(std::span<std::uint8_t> room);
 
-// --- reading: what stands after the header. Errors say what is wrong with it
+// --- reading: what stands after the header. Errors say what is wrong with it. What is read is of
+// its kind: names are names, numbers within a robot's ranges, texts fit for a terminal, and the DBC
+// file is one that a decoder understands
 // ----------------------
 
 Result<Header> read_header(std::span<const std::uint8_t, kHeaderBytes> bytes);

@@ -1,9 +1,15 @@
 #include "platform/daemon/tap/wire.h"
 
 #include <algorithm>
+#include <string>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "platform/base/printable.h"
+#include "platform/base/random.h"
+#include "platform/config/robot_settings.h"
+#include "tests/support/seeds.h"
 
 namespace zenith::tap {
 namespace {
@@ -82,6 +88,110 @@ TEST(TapWire, ADamagedHelloDoesNoHarm) {
       damaged[i] = static_cast<std::uint8_t>(value);
       (void)read_hello(fields_of(damaged));
     }
+  }
+}
+
+// Each text is of its kind before anybody uses it.
+TEST(TapWire, AnInterfaceThatIsNoneIsRefused) {
+  using std::string_literals::operator""s;
+  for (const std::string& name :
+       {"/etc/cron.d/x\0\n"s, "/etc/passwd"s, "../can0"s, ".."s, ""s, "can 0"s, "can\n0"s,
+        "can\x1b[2J"s, "c\xc2\x9b"s, "can0can0can0can0"s, "can0\0"s}) {
+    Hello hello = full_hello();
+    hello.can_interface = name;
+    const auto bytes = write_hello(hello);
+    const auto read = read_hello(fields_of(bytes));
+    ASSERT_FALSE(read.ok()) << name;
+    EXPECT_THAT(read.error().message, HasSubstr("CAN interface"));
+    EXPECT_TRUE(is_printable(read.error().message)) << read.error().message;
+  }
+}
+
+TEST(TapWire, ARobotsNameThatIsNoneIsRefused) {
+  for (const std::string& name :
+       {std::string(), std::string(33, 'a'), std::string("a\nb"), std::string("\x1b]0;x\x07"),
+        std::string("\xc2\x9b"), std::string("\xff")}) {
+    Hello hello = full_hello();
+    hello.robot = name;
+    const auto read = read_hello(fields_of(write_hello(hello)));
+    ASSERT_FALSE(read.ok()) << name;
+    EXPECT_TRUE(is_printable(read.error().message)) << read.error().message;
+  }
+}
+
+TEST(TapWire, TextsForPeopleDoNotSteerATerminal) {
+  Hello hello = full_hello();
+  hello.software = "zenithd \x1b[2J";
+  hello.devices = "a camera\nCAN \xc2\x9b \xff";
+  const auto read = read_hello(fields_of(write_hello(hello)));
+  ASSERT_TRUE(read.ok()) << read.error().message;
+  EXPECT_EQ(read->software, "zenithd \\x1b[2J");
+  EXPECT_EQ(read->devices, "a camera\\x0aCAN \\u009b \\xff");
+  std::array<std::uint8_t, 256> room;
+  const std::size_t size = write_end({1, 2, 3, 4, 5, 6, "\x1b]0;owned\x07"}, room);
+  const auto end = read_end(std::span(room).first(size).subspan(kHeaderBytes));
+  ASSERT_TRUE(end.ok());
+  EXPECT_TRUE(is_printable(end->why)) << end->why;
+  hello.devices = std::string(100'000, 'x');
+  EXPECT_FALSE(read_hello(fields_of(write_hello(hello))).ok());
+}
+
+TEST(TapWire, KeysAndNumbersOutOfARobotsRangesAreRefused) {
+  const auto refused = [](void (*change)(Hello&)) {
+    Hello hello = full_hello();
+    change(hello);
+    return !read_hello(fields_of(write_hello(hello))).ok();
+  };
+  EXPECT_FALSE(refused([](Hello&) {}));
+  EXPECT_TRUE(refused([](Hello& h) { h.config.lens.fu_px = 1e300; }));
+  EXPECT_TRUE(refused([](Hello& h) { h.config.mount.x_m = -1e9; }));
+  EXPECT_TRUE(refused([](Hello& h) { h.config.frame_rate_hz = 0.0; }));
+  EXPECT_TRUE(refused([](Hello& h) { h.odometry.odrive.left_node = 4'000'000'000U; }));
+  EXPECT_TRUE(refused([](Hello& h) { h.odometry.geometry.gear_ratio = 1e30; }));
+  EXPECT_TRUE(refused([](Hello& h) { h.odometry.dbc.left_signal = "a\nb"; }));
+  EXPECT_TRUE(refused([](Hello& h) { h.odometry.dbc.file = "x\x1b[2J"; }));
+  EXPECT_TRUE(refused([](Hello& h) { h.dbc = "VERSION \x1b[2J"; }));
+  EXPECT_TRUE(refused([](Hello& h) {
+    h.odometry.kind = WheelCodecKind::kDbc;
+    h.dbc = "BO_ x WHEELS: y\n SG_ ???\n";
+  }));
+}
+
+// Thousands of messages of which some bytes differ: what is read is of its kind, or refused.
+TEST(TapWire, MutatedMessagesAreOfTheirKindOrRefused) {
+  const TestSeed seed;
+  Random random(seed.value(), 1);
+  std::array<std::uint8_t, 512> room;
+  std::vector<std::vector<std::uint8_t>> messages = {write_hello(full_hello())};
+  const auto add = [&](std::size_t size) {
+    const auto written = std::span(room).first(size);
+    messages.emplace_back(written.begin(), written.end());
+  };
+  add(write_can(std::vector<CanFrame>(5, {{11}, 0x311, false, 8, {1, 2, 3}}), room));
+  add(write_pose({{21}, {1.5, -2.5, 0.25}}, room));
+  add(write_end({1, 2, 3, 4, 5, 6, "why"}, room));
+  for (std::size_t i = 0; i < 20'000; ++i) {
+    std::vector<std::uint8_t> bytes = messages[i % messages.size()];
+    const auto size = static_cast<std::uint32_t>(bytes.size() - kHeaderBytes);
+    for (std::uint32_t k = 0; k <= random.below(4); ++k) {
+      bytes[kHeaderBytes + random.below(size)] = static_cast<std::uint8_t>(random.below(256));
+    }
+    const bool is_cut = random.below(4) == 0;
+    const auto fields = fields_of(bytes).first(is_cut ? random.below(size) : size);
+    if (const auto hello = read_hello(fields); hello.ok()) {
+      ASSERT_TRUE(is_robot_name(hello->robot));
+      ASSERT_TRUE(is_interface_name(hello->can_interface));
+      ASSERT_TRUE(is_printable(hello->software) && is_printable(hello->devices));
+    } else {
+      ASSERT_TRUE(is_printable(hello.error().message)) << hello.error().message;
+    }
+    std::vector<CanFrame> frames;
+    (void)read_can(fields, frames);
+    (void)read_pose(fields);
+    std::span<const std::uint8_t> pixels;
+    (void)read_frame(fields, pixels);
+    const auto end = read_end(fields);
+    ASSERT_TRUE(!end.ok() || is_printable(end->why));
   }
 }
 
@@ -167,6 +277,11 @@ TEST(TapWire, HeadersOfStrangersAreRefused) {
   EXPECT_FALSE(read_header(bytes).ok());
   bytes = {0xFF, 0xFF, 0xFF, 0xFF, 2};
   EXPECT_FALSE(read_header(bytes).ok());
+  for (const MessageType small :
+       {MessageType::kCan, MessageType::kPose, MessageType::kEnd, MessageType::kBusy}) {
+    bytes = {0, 0, 0, 1, static_cast<std::uint8_t>(small)};  // 16 MB
+    EXPECT_FALSE(read_header(bytes).ok()) << "memory for a message that is never so long";
+  }
 }
 
 }  // namespace

@@ -1,7 +1,13 @@
 #include "tools/record/record.h"
 
+#include <fcntl.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+
+#include <array>
 #include <atomic>
 #include <deque>
+#include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -178,6 +184,82 @@ TEST_F(RecordTest, ADbcBaseBringsItsFile) {
   EXPECT_TRUE(recording.ok()) << recording.error().message;
 }
 
+// Whoever listens where the daemon should: one hello, and what comes after it.
+class FalseDaemon {
+ public:
+  FalseDaemon(const std::string& path, std::vector<std::uint8_t> bytes)
+      : listener_(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+    sockaddr_un address = {};
+    address.sun_family = AF_UNIX;
+    path.copy(address.sun_path, sizeof(address.sun_path) - 1);
+    EXPECT_EQ(::bind(listener_.get(), reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
+    EXPECT_EQ(::listen(listener_.get(), 1), 0);
+    thread_ = std::thread([this, bytes = std::move(bytes)] {
+      const UniqueFd client(::accept4(listener_.get(), nullptr, nullptr, SOCK_CLOEXEC));
+      (void)!::send(client.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL);
+    });
+  }
+  ~FalseDaemon() { thread_.join(); }
+  FalseDaemon(const FalseDaemon&) = delete;
+  FalseDaemon& operator=(const FalseDaemon&) = delete;
+
+ private:
+  UniqueFd listener_;
+  std::thread thread_;
+};
+
+// An interface's name that is a path, with a NUL before the ending that the recorder adds and lines
+// that somebody wants in that file.
+TEST_F(RecordTest, AnInterfacesNameThatIsAPathReachesNoFile) {
+  const fs::path victim = folder_.path() / "victim";
+  write_text(victim, "data");
+  tap::Hello hello;
+  hello.robot = "ada";
+  hello.config = small_robot();
+  hello.can_interface = victim.string() + std::string("\0\n* * * * * root id\n", 21);
+  std::vector<std::uint8_t> bytes = tap::write_hello(hello);
+  std::array<std::uint8_t, 64> frame;
+  const std::size_t size = tap::write_can(std::vector<CanFrame>(1), frame);
+  bytes.insert(bytes.end(), frame.begin(), frame.begin() + static_cast<std::ptrdiff_t>(size));
+  const std::string socket = (folder_.path() / "record.sock").string();
+  const FalseDaemon daemon(socket, bytes);
+  const auto source = open_tap_source({socket});
+  if (source.ok())
+    (void)record(
+        plan_, **source, [] { return false; }, [](const auto&) {});
+  EXPECT_EQ(read_text(victim), "data");
+  ASSERT_FALSE(source.ok());
+  EXPECT_THAT(source.error().message, HasSubstr("CAN interface"));
+  EXPECT_FALSE(fs::exists(plan_.out));
+}
+
+TEST_F(RecordTest, AFrameOfAnotherSizeIsRefusedBeforeThereIsMemoryForIt) {
+  tap::Hello hello;
+  hello.robot = "ada";
+  hello.config = small_robot();
+  hello.can_interface = "can0";
+  std::vector<std::uint8_t> bytes = tap::write_hello(hello);
+  std::array<std::uint8_t, 64> head;
+  const std::size_t size = tap::write_frame_head({{1}, 1, 8000, 8000}, head);
+  bytes.insert(bytes.end(), head.begin(), head.begin() + static_cast<std::ptrdiff_t>(size));
+  const std::string socket = (folder_.path() / "record.sock").string();
+  const FalseDaemon daemon(socket, bytes);
+  const auto source = open_tap_source({socket});
+  ASSERT_TRUE(source.ok()) << source.error().message;
+  const auto figures = record(
+      plan_, **source, [] { return false; }, [](const auto&) {});
+  ASSERT_TRUE(figures.ok());
+  EXPECT_TRUE(figures->failed);
+  EXPECT_THAT(figures->why, HasSubstr("another size"));
+}
+
+TEST_F(RecordTest, OnlyAFolderOfItsOwnIsWrittenInto) {
+  FakeSource source(3);
+  fs::create_directories(plan_.out);
+  EXPECT_FALSE(run(source).ok()) << "an empty one may be anybody's";
+  EXPECT_EQ(entries(plan_.out), 0u);
+}
+
 TEST(FrameStore, ListsInOrderWhicheverThreadIsQuicker) {
   TemporaryFolder folder;
   const RobotFile robot;
@@ -218,17 +300,17 @@ TEST(FrameStore, AFrameThatCannotBeWrittenIsNotListed) {
 }
 
 TEST(LineFile, HoldsWholeLinesAlsoWhenTheDiskIsFull) {
-  LineFile full("/dev/full");
+  LineFile full(UniqueFd(::open("/dev/full", O_WRONLY | O_CLOEXEC)), "/dev/full");
   full.add("one\n");
   const Status status = full.flush();
   ASSERT_FALSE(status.ok());
   EXPECT_THAT(status.error().message, HasSubstr("ENOSPC"));
   EXPECT_FALSE(full.flush().ok()) << "it is not forgotten";
-  EXPECT_FALSE(LineFile("/no/such/folder/x").flush().ok());
+  EXPECT_FALSE(LineFile(Error{"no such folder"}, "x").flush().ok());
 
   TemporaryFolder folder;
   const fs::path path = folder.path() / "lines";
-  LineFile file(path);
+  LineFile file(UniqueFd(::open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600)), path);
   file.add("one\n");
   EXPECT_EQ(read_text(path), "");
   for (int i = 0; i < 20'000; ++i) file.add("two\n");
