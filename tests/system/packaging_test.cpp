@@ -121,6 +121,12 @@ TEST(Packaging, InstancesHaveStateFoldersOfTheirOwn) {
               HasSubstr("rm -rf /var/lib/zenith /var/lib/zenith-*\n"));
 }
 
+// In a user namespace of its own it could not tell the user zenith from strangers.
+TEST(Packaging, TheBridgeSeesWhoseSocketItReads) {
+  EXPECT_THAT(read_text(ZENITH_SOURCE_DIR "/systemd/zenith-ros2.service"),
+              testing::Not(HasSubstr("\nPrivateUsers=")));
+}
+
 TEST(Packaging, TheShellCompletesCommandsAndOptions) {
   const std::string complete =
       "bash -c 'source " ZENITH_SOURCE_DIR "/tools/completion/zenith; COMP_CWORD=$0; COMP_WORDS=(" +
