@@ -19,6 +19,7 @@
 #include "tools/replay.h"
 #include "tools/report/figures_text.h"
 #include "tools/report/map_picture.h"
+#include "tools/scratch_folder.h"
 #include "tools/simulate.h"
 #include "tools/view/pages.h"
 
@@ -92,11 +93,18 @@ class PageThread {
   // Where there is a desktop; the address is printed anyway. A browser that it starts lives on.
   void open_browser() {
     if (std::getenv("DISPLAY") == nullptr && std::getenv("WAYLAND_DISPLAY") == nullptr) return;
-    auto opener =
-        ChildProcess::start({"setsid", "--fork", "xdg-open", page_->address()}, "/dev/null");
+    // Command lines are seen by everybody on this computer, and the token shall not be: it stands
+    // in a file of this user's that leads on.
+    door_ = std::make_unique<ScratchFolder>();
+    const std::string leads = (door_->path() / "zenith.html").string();
+    const std::string text =
+        "<!doctype html><meta http-equiv=\"refresh\" content=\"0;url=" + page_->address() + "\">\n";
+    if (door_->path().empty() || !write_file(leads, text)) return;
+    auto opener = ChildProcess::start({"setsid", "--fork", "xdg-open", leads}, "/dev/null");
     if (opener.ok()) opener_ = std::make_unique<ChildProcess>(std::move(*opener));
   }
 
+  std::unique_ptr<ScratchFolder> door_;
   std::unique_ptr<LivePage> page_;
   std::unique_ptr<ChildProcess> opener_;
   std::atomic<bool> stop_ = false;

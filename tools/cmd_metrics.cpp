@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "platform/linux/clock.h"
+#include "platform/linux/log.h"
 #include "platform/linux/signals.h"
 #include "tools/atomic_output.h"
 #include "tools/commands.h"
@@ -40,7 +41,7 @@ bool complete(const FleetState& state) {
   state.read([&](const std::vector<RobotState>& robots) {
     for (const RobotState& robot : robots) {
       for (const char* line : {"health", "deadlines", "radio"}) {
-        all = all && robot.line(line).is_object();
+        all = all && !robot.line(line).empty();
       }
     }
   });
@@ -56,20 +57,17 @@ Status put(const MetricsCommand& command, const FleetState& state) {
 }
 
 int run_metrics(const MetricsCommand& command) {
-  std::vector<RobotAddress> robots;
-  for (const std::string& text : command.robots) {
-    auto address = parse_robot_address(text);
-    if (!address.ok()) return fail(address.error());
-    robots.push_back(std::move(*address));
-  }
+  auto robots = parse_robot_addresses(command.robots);
+  if (!robots.ok()) return fail(robots.error());
   Signals signals;
   if (const Status opened = signals.open(); !opened) return fail(opened.error());
   FleetState state;
-  Live live(state, std::move(robots));
+  Live live(state, std::move(*robots));
   const Time limit = monotonic_now() + kPatience;
   while (!complete(state) && monotonic_now() < limit) {
     if (signals.wait({0}) == SignalRequest::kStop) return 1;
     live.turn(kSlice, signals.fd());
+    process_log().drain(monotonic_now());
   }
   const bool heard = complete(state);
   if (!heard && command.every_s <= 0.0) {
@@ -82,6 +80,7 @@ int run_metrics(const MetricsCommand& command) {
     while (monotonic_now() < next) {
       if (signals.wait({0}) == SignalRequest::kStop) return 0;
       live.turn(kSlice, signals.fd());
+      process_log().drain(monotonic_now());
     }
   }
 }

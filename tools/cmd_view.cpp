@@ -23,6 +23,8 @@ robots are of each other, time, health and lights. It reads the daemon's telemet
 itself opens no port, and does nothing more while nobody looks. Foxglove Studio and Lichtblick connect
 to the same address as a WebSocket. Prometheus reads /metrics. docs/view.md has more.
 
+The address ends in a token that keeps other users of this computer out; open it as it is printed.
+
 WHAT is one or several robots: a telemetry socket, ssh:HOST or ssh:HOST:SOCKET for a robot elsewhere
 (it runs `zenith telemetry` there); without any, the daemon on this computer. Or a replay: the output
 folder of `zenith replay` or `zenith demo`, or recordings, which are mapped first.
@@ -83,13 +85,9 @@ int run_view(ViewCommand& command) {
     return play(command, std::move(*timeline), signals);
   }
   if (what.empty()) what.push_back("");
-  std::vector<RobotAddress> robots;
-  for (const std::string& text : what) {
-    auto address = parse_robot_address(text);
-    if (!address.ok()) return fail(address.error());
-    robots.push_back(std::move(*address));
-  }
-  return listen(command, std::move(robots), signals);
+  auto robots = parse_robot_addresses(what);
+  if (!robots.ok()) return fail(robots.error());
+  return listen(command, std::move(*robots), signals);
 }
 
 }  // namespace
@@ -103,12 +101,22 @@ void add_view_command(CLI::App& app, int& exit_code) {
       ->check(CLI::Range(0, 65535))
       ->capture_default_str();
   view->add_option("--bind", command->web.bind,
-                   "address to listen at; another than this computer's shows the page to the "
-                   "network, without any protection")
+                   "address to listen at, of IPv4 or IPv6; another than this computer's shows the "
+                   "page to the network, unencrypted, to who has the token")
       ->capture_default_str();
   view->add_option("--allow-origin", command->web.origins,
                    "another web page that may read, such as https://app.foxglove.dev")
       ->allow_extra_args(false);
+  view->add_option("--allow-host", command->web.hosts,
+                   "a name of this computer by which the page may be asked, such as desk.local")
+      ->allow_extra_args(false);
+  CLI::Option* file =
+      view->add_option("--token-file", command->web.token_file,
+                       "the token stands in this file, which is made when it is not there; else "
+                       "each start has a token of its own");
+  view->add_flag("--no-token", command->web.no_token,
+                 "no token: every user of this computer may look, with --bind all of the network")
+      ->excludes(file);
   view->callback([command, &exit_code] { exit_code = run_view(*command); });
 }
 

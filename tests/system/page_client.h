@@ -20,18 +20,27 @@ namespace zenith {
 // A client as small as can be.
 class PageClient {
  public:
-  explicit PageClient(int port) : fd_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+  // `token`: of the address that `zenith view` printed.
+  explicit PageClient(int port, std::string token = "")
+      : token_(std::move(token)), fd_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
     sockaddr_in address = {};
     address.sin_family = AF_INET;
     address.sin_port = htons(static_cast<std::uint16_t>(port));
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     const timeval patience = {static_cast<time_t>(kPatience_s), 0};
     ::setsockopt(fd_.get(), SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+    ::setsockopt(fd_.get(), SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);
     (void)::connect(fd_.get(), reinterpret_cast<sockaddr*>(&address), sizeof address);
   }
 
   void send(const std::string& bytes) {
-    (void)::send(fd_.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL);
+    std::size_t done = 0;
+    while (done < bytes.size()) {
+      const ssize_t size =
+          ::send(fd_.get(), bytes.data() + done, bytes.size() - done, MSG_NOSIGNAL);
+      if (size <= 0) return;
+      done += static_cast<std::size_t>(size);
+    }
   }
   // The head of the answer; what follows stays.
   std::string head() {
@@ -47,7 +56,7 @@ class PageClient {
 
   // --- WebSocket
   std::string upgrade(const std::string& path, const std::string& more_headers) {
-    send("GET " + path +
+    send("GET " + path + (token_.empty() ? "" : "?token=" + token_) +
          " HTTP/1.1\r\nHost: 127.0.0.1\r\nUpgrade: websocket\r\nConnection: "
          "Upgrade\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: "
          "dGhlIHNhbXBsZSBub25jZQ==\r\n" +
@@ -55,10 +64,12 @@ class PageClient {
     return head();
   }
   // Masked, as clients must, with zeros.
-  void say(const nlohmann::json& message) {
-    const std::string text = message.dump();
-    std::string frame = {'\x81', static_cast<char>(0x80 | 126), static_cast<char>(text.size() >> 8),
-                         static_cast<char>(text.size() & 0xff)};
+  void say(const nlohmann::json& message) { say_text(message.dump()); }
+  void say_text(const std::string& text) {
+    std::string frame = {'\x81', static_cast<char>(0x80 | 127)};
+    for (unsigned shift = 64; shift > 0; shift -= 8) {
+      frame += static_cast<char>(text.size() >> (shift - 8));
+    }
     send(frame + std::string(4, '\0') + text);
   }
   struct Message {
@@ -102,6 +113,7 @@ class PageClient {
     return piece;
   }
 
+  const std::string token_;
   UniqueFd fd_;
   std::string rest_;
 };

@@ -30,9 +30,11 @@ class ViewServer {
     return wait_until(limit_s, [&] {
       std::smatch match;
       const std::string said = tools::read_text(base_ + ".out");
-      if (std::regex_search(said, match, std::regex("http://127.0.0.1:([0-9]+)"))) {
+      if (std::regex_search(said, match,
+                            std::regex(R"(http://[^ ]+:([0-9]+)/(\?token=([A-Za-z0-9_-]+))?)"))) {
         address_ = match[0];
         port_ = std::stoi(match[1]);
+        token_ = match[3];
       }
       return port_ != 0;
     });
@@ -48,6 +50,7 @@ class ViewServer {
 
   const std::string& address() const { return address_; }
   int port() const { return port_; }
+  const std::string& token() const { return token_; }
   std::string said() const { return tools::read_text(base_ + ".out"); }
   std::string log() const { return tools::read_text(base_ + ".log"); }
 
@@ -55,6 +58,7 @@ class ViewServer {
   const std::string base_;
   std::unique_ptr<Process> process_;
   std::string address_;
+  std::string token_;
   int port_ = 0;
 };
 

@@ -74,12 +74,13 @@ class ViewWireTest : public testing::Test {
   }
   std::string get(const std::string& path, const std::string& headers) {
     PageClient client(view_.port());
-    client.send("GET " + path + " HTTP/1.1\r\n" + headers + "Connection: close\r\n\r\n");
+    client.send("GET " + path + "?token=" + view_.token() + " HTTP/1.1\r\n" + headers +
+                "Connection: close\r\n\r\n");
     return client.rest();
   }
   // As the page's slider does.
   void view_control(const json& control) {
-    PageClient page(view_.port());
+    PageClient page(view_.port(), view_.token());
     ASSERT_THAT(page.upgrade("/live", ""), HasSubstr("101"));
     page.say({{"control", control}});
     EXPECT_TRUE(json::parse(page.hear().bytes)["reset"].get<bool>());
@@ -107,15 +108,16 @@ TEST_F(ViewWireTest, AnswersNoPageOfAnotherSite) {
   EXPECT_THAT(get("/metrics", "Host: localhost\r\nOrigin: https://evil.example\r\n"),
               testing::StartsWith("HTTP/1.1 403"));
   for (const char* path : {"/", "/live"}) {
-    EXPECT_THAT(PageClient(view_.port()).upgrade(path, "Origin: https://evil.example\r\n"),
-                testing::Not(HasSubstr("101")))
+    EXPECT_THAT(
+        PageClient(view_.port(), view_.token()).upgrade(path, "Origin: https://evil.example\r\n"),
+        testing::Not(HasSubstr("101")))
         << path;
   }
 }
 
 TEST_F(ViewWireTest, SpeaksFoxglovesProtocol) {
   for (const char* protocol : {"foxglove.websocket.v1", "foxglove.sdk.v1"}) {
-    PageClient client(view_.port());
+    PageClient client(view_.port(), view_.token());
     const std::string head =
         client.upgrade("/", std::string("Sec-WebSocket-Protocol: ") + protocol + "\r\n");
     ASSERT_THAT(head, HasSubstr("101 Switching Protocols"));

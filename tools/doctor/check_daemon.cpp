@@ -7,34 +7,26 @@
 #include <cstdio>
 #include <map>
 
-#include <nlohmann/json.hpp>
-
 #include "platform/linux/clock.h"
 #include "platform/linux/errno_text.h"
 #include "platform/linux/local_socket.h"
 #include "platform/linux/wait_readable.h"
 #include "tools/record/source.h"
+#include "tools/view/telemetry_line.h"
 
 namespace zenith::tools {
 namespace {
 
-using Json = nlohmann::json;
+constexpr std::size_t kMostLines = 2000;  // of one asking
 
 // A number of a line, whatever else it may be.
-double number(const Json& line, const char* object, const char* key) {
-  if (object[0] != '\0') return line.contains(object) ? number(line[object], "", key) : 0.0;
-  if (!line.is_object() || !line.contains(key) || !line[key].is_number()) return 0.0;
-  return line[key].get<double>();
+double number(const TelemetryLine& line, const char* path) {
+  return line.number(path).value_or(0.0);
 }
 
-// False where something else stands.
-bool flag(const Json& line, const char* object, const char* key) {
-  if (object[0] != '\0') return line.contains(object) && flag(line[object], "", key);
-  return line.is_object() && line.contains(key) && line[key].is_boolean() && line[key].get<bool>();
-}
-
-std::string text(const Json& line, const char* key) {
-  return line.contains(key) && line[key].is_string() ? line[key].get<std::string>() : "?";
+std::string text(const TelemetryLine& line, const char* path) {
+  std::string found = line.text(path);
+  return found.empty() ? "?" : found;
 }
 
 std::string whole(double value) {
@@ -43,22 +35,20 @@ std::string whole(double value) {
   return digits;
 }
 
-// The last line of each type.
-std::map<std::string, Json> by_type(const std::vector<std::string>& lines) {
-  std::map<std::string, Json> found;
+// The last line of each type; what is no line of telemetry is passed over.
+std::map<std::string, TelemetryLine> by_type(const std::vector<std::string>& lines) {
+  std::map<std::string, TelemetryLine> found;
   for (const std::string& line : lines) {
-    Json json = Json::parse(line, nullptr, false);
-    if (!json.is_object()) continue;
-    const std::string type = text(json, "type");
-    found[type] = std::move(json);
+    DecodedLine decoded = decode_telemetry(line);
+    if (decoded.line) found[decoded.line->type()] = std::move(*decoded.line);
   }
   return found;
 }
 
-Finding check_health(const Json& health) {
+Finding check_health(const TelemetryLine& health) {
   const std::string what = "daemon state";
-  const std::string state = text(health, "state");
-  const std::string reason = text(health, "reason");
+  const std::string state = text(health, "/state");
+  const std::string reason = text(health, "/reason");
   const std::string found = state + (reason.empty() || reason == "?" ? "" : ": " + reason);
   if (state == "mapping" || state == "merged") return ok(what, found);
   if (state == "fault")
@@ -66,15 +56,15 @@ Finding check_health(const Json& health) {
   return warn(what, found, "its log says more", "journalctl -u zenithd -n 50");
 }
 
-Finding check_devices(const Json& health) {
+Finding check_devices(const TelemetryLine& health) {
   const std::string what = "daemon devices";
-  const bool camera = flag(health, "camera", "up");
-  const bool can = flag(health, "can", "up");
+  const bool camera = number(health, "/camera/up") != 0.0;
+  const bool can = number(health, "/can/up") != 0.0;
   std::string found = std::string("camera ") + (camera ? "up" : "down") + ", " +
-                      whole(number(health, "camera", "frames")) + " frames; CAN bus " +
-                      (can ? "up" : "down") + ", " + whole(number(health, "wheels", "samples")) +
+                      whole(number(health, "/camera/frames")) + " frames; CAN bus " +
+                      (can ? "up" : "down") + ", " + whole(number(health, "/wheels/samples")) +
                       " samples of the wheels";
-  const double lost = number(health, "camera", "lost") + number(health, "can", "lost");
+  const double lost = number(health, "/camera/lost") + number(health, "/can/lost");
   if (!camera || !can) return fail(what, found, "see the lines about this device");
   if (lost > 0.0) {
     return warn(what, found + "; lost and opened again " + whole(lost) + " times",
@@ -83,11 +73,11 @@ Finding check_devices(const Json& health) {
   return ok(what, found);
 }
 
-Finding check_deadlines(const Json& deadlines) {
+Finding check_deadlines(const TelemetryLine& deadlines) {
   const std::string what = "daemon deadlines";
-  const double met = number(deadlines, "", "met");
-  const double missed = number(deadlines, "", "missed");
-  const double own = missed - number(deadlines, "", "explained");
+  const double met = number(deadlines, "/met");
+  const double missed = number(deadlines, "/missed");
+  const double own = missed - number(deadlines, "/explained");
   const std::string found = whole(missed) + " of " + whole(met + missed) +
                             " frames late, of these for want of a CPU " + whole(missed - own);
   if (missed <= 0.01 * (met + missed)) return ok(what, found);
@@ -97,21 +87,21 @@ Finding check_deadlines(const Json& deadlines) {
   return warn(what, found, "other programs take its CPU: see the lines about realtime");
 }
 
-Finding check_peers(const std::map<std::string, Json>& lines) {
+Finding check_peers(const std::map<std::string, TelemetryLine>& lines) {
   const std::string what = "daemon peers";
   const auto line = lines.find("radio");
   if (line == lines.end()) return skip(what, "it tells nothing of a radio");
-  const Json& radio = line->second;
-  if (!flag(radio, "", "enabled")) return ok(what, "no radio: this robot maps alone");
-  if (!flag(radio, "", "open")) {
+  const TelemetryLine& radio = line->second;
+  if (number(radio, "/enabled") == 0.0) return ok(what, "no radio: this robot maps alone");
+  if (number(radio, "/open") == 0.0) {
     return fail(what, "the radio is not open", "a port is taken, or sockets are not allowed",
                 "journalctl -u zenithd -n 50");
   }
-  const double heard = number(radio, "", "peers");
-  const double other_key = number(radio, "rejected", "other_key");
-  const std::string found = whole(heard) + " peers, " + whole(number(radio, "udp", "received")) +
-                            " datagrams received, " + whole(number(radio, "udp", "sent")) + " sent";
-  if (number(radio, "udp", "forbidden") > 0.0) {
+  const double heard = number(radio, "/peers");
+  const double other_key = number(radio, "/rejected/other_key");
+  const std::string found = whole(heard) + " peers, " + whole(number(radio, "/udp/received")) +
+                            " datagrams received, " + whole(number(radio, "/udp/sent")) + " sent";
+  if (number(radio, "/udp/forbidden") > 0.0) {
     return warn(what, found + ", some are forbidden", "a firewall stops them: open radio.port");
   }
   if (heard == 0.0 && other_key > 0.0) {
@@ -143,7 +133,6 @@ DaemonFacts ask_daemon(const DaemonConfig& config, Duration patience) {
   bool health = false;
   bool deadlines = false;
   bool radio = false;
-  constexpr std::size_t kMostLines = 4096;  // whoever tells more is no daemon
   while (monotonic_now() < limit && !(health && deadlines && radio) &&
          facts.lines.size() < kMostLines) {
     if (wait_readable(fd.get(), limit - monotonic_now()) <= 0) break;
@@ -174,8 +163,8 @@ Findings check_daemon(const DaemonFacts& facts) {
   }
   std::string found = "running";
   if (const auto hello = lines.find("hello"); hello != lines.end()) {
-    found += ", robot " + text(hello->second, "robot") + ", version " +
-             text(hello->second, "version") + "; " + text(hello->second, "devices");
+    found += ", robot " + text(hello->second, "/robot") + ", version " +
+             text(hello->second, "/version") + "; " + text(hello->second, "/devices");
   }
   Findings findings = {ok(what, found)};
   const auto health = lines.find("health");

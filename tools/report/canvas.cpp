@@ -47,13 +47,6 @@ int font_thickness(double size, bool bold) {
 
 }  // namespace
 
-Colour robot_colour(std::size_t index) {
-  static constexpr Colour kColours[] = {{0, 98, 178},   {222, 93, 0},  {0, 138, 92},
-                                        {120, 70, 180}, {150, 110, 0}, {0, 150, 190},
-                                        {180, 30, 60},  {90, 90, 90},  {60, 120, 30}};
-  return kColours[index % std::size(kColours)];
-}
-
 Canvas::Canvas(int width_px, int height_px)
     : page_(height_px * kOversampling, width_px * kOversampling, CV_8UC3,
             cv::Scalar(255, 255, 255)),

@@ -10,25 +10,12 @@
 #include <opencv2/core.hpp>
 
 #include "platform/base/result.h"
+#include "tools/report/colour.h"
 
 namespace zenith::tools {
 
-struct Colour {
-  int red = 0;
-  int green = 0;
-  int blue = 0;
-};
-
-inline constexpr Colour kInk{33, 37, 41};
-inline constexpr Colour kGrey{140, 146, 152};
-inline constexpr Colour kPale{232, 235, 238};
-inline constexpr Colour kMagenta{214, 20, 160};
-
 // As a whole file, in the format that its ending names.
 Status write_picture(const std::filesystem::path& path, const cv::Mat& picture);
-
-// A colour for each robot, told apart by most colour-blind people too.
-Colour robot_colour(std::size_t index);
 
 enum class Anchor { kLeft, kCentre, kRight };
 

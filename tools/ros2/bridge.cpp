@@ -10,7 +10,6 @@
 namespace zenith::ros2 {
 namespace {
 
-using nlohmann::json;
 using tools::RobotState;
 
 constexpr Duration kSecond = {1'000'000'000};
@@ -23,11 +22,12 @@ std::int64_t system_now_ns() {
 std::map<int, std::string> owners(const RobotState& state) {
   std::map<int, std::string> out;
   for (const auto& [key, line] : state.lines()) {
-    if (key.rfind("alignment/", 0) != 0 && key.rfind("peer/", 0) != 0) continue;
-    const auto slot = line.find("peer");
-    if (slot == line.end() || !slot->is_number_integer() || *slot < 0) continue;
-    if (line.value("name", "") == tools::kEarlierSession) continue;
-    out[slot->get<int>()] = line.value("name", "");
+    const auto* alignment = line.as<tools::AlignmentLine>();
+    const auto* peer = line.as<tools::PeerLine>();
+    if (alignment == nullptr && peer == nullptr) continue;
+    const int slot = alignment != nullptr ? alignment->slot : peer->slot;
+    const std::string& name = alignment != nullptr ? alignment->name : peer->name;
+    if (slot >= 0 && name != tools::kEarlierSession) out[slot] = name;
   }
   return out;
 }
@@ -48,7 +48,7 @@ Bridge::Bridge(const BridgeOptions& options, std::vector<tools::RobotAddress> ro
     : options_(options),
       robots_(robots.size()),
       live_(state_, std::move(robots),
-            [this](std::size_t robot, const json& line, std::string_view, Time) {
+            [this](std::size_t robot, const tools::TelemetryLine& line, std::string_view, Time) {
               hear(robot, line);
             }) {}
 
@@ -88,20 +88,17 @@ void Bridge::turn(Duration wait, int wake_fd) {
   note(diagnostics_->tell(system_now_ns(), all));
 }
 
-void Bridge::hear(std::size_t number, const json& line) {
+void Bridge::hear(std::size_t number, const tools::TelemetryLine& line) {
   Robot& robot = robots_[number];
-  const std::string type = line.value("type", "");
-  if (const auto offset = line.find("system_offset_ns");
-      offset != line.end() && offset->is_number_integer()) {
-    robot.system_offset_ns = offset->get<std::int64_t>();
-  }
-  if (type == "hello") greet(robot, line);
+  if (line.system_offset_ns()) robot.system_offset_ns = *line.system_offset_ns();
+  if (const auto* hello = line.as<tools::HelloLine>()) greet(robot, hello->robot);
   if (robot.topics == nullptr) return;
-  if (type == "pose") {
+  const auto* alignment = line.as<tools::AlignmentLine>();
+  if (line.as<tools::PoseLine>() != nullptr) {
     tell_motion(robot, line);
-  } else if (type == "alignment" && line.value("name", "") != tools::kEarlierSession) {
-    note(robot.topics->tell_alignment(system_stamp(line, robot.system_offset_ns), line));
-  } else if (type == "radio") {
+  } else if (alignment != nullptr && alignment->name != tools::kEarlierSession) {
+    note(robot.topics->tell_alignment(system_stamp(line, robot.system_offset_ns), *alignment));
+  } else if (line.type() == "radio") {
     state_.read([&](const std::vector<RobotState>& states) {
       tell_maps(robot, states[number]);
       tell_peers_frames(states);
@@ -110,18 +107,25 @@ void Bridge::hear(std::size_t number, const json& line) {
 }
 
 // Topics are made when a robot has said its name, and again when it has another one.
-void Bridge::greet(Robot& robot, const json& line) {
-  RobotNames names(line.value("robot", ""), options_.frames, options_.prefixed);
+void Bridge::greet(Robot& robot, const std::string& name) {
+  RobotNames names(name, options_.frames, options_.prefixed);
   robot.maps.clear();
   robot.told_ns = 0;
   if (robot.topics != nullptr && robot.topics->names().robot() == names.robot()) return;
   robot.topics.reset();
+  const bool taken = std::any_of(robots_.begin(), robots_.end(), [&](const Robot& other) {
+    return other.topics != nullptr && other.topics->names().robot() == names.robot();
+  });
+  if (taken) {
+    return note(Error{"two robots say that they are " + name +
+                      ": no topics for the second; give it another name"});
+  }
   auto made = RobotTopics::make(*participant_, std::move(names));
   if (!made) return note(made.error());
   robot.topics = std::move(*made);
 }
 
-void Bridge::tell_motion(Robot& robot, const json& line) {
+void Bridge::tell_motion(Robot& robot, const tools::TelemetryLine& line) {
   const auto motion = read_motion(line, robot.system_offset_ns);
   if (!motion || robot.system_offset_ns == 0) {
     if (!robot.odometry_missed) {
@@ -181,8 +185,7 @@ void Bridge::tell_peers_frames(const std::vector<RobotState>& states) {
 void Bridge::note_links(const std::vector<RobotState>& states) {
   for (std::size_t i = 0; i < states.size(); ++i) {
     Robot& robot = robots_[i];
-    const json& link = states[i].line("link");
-    const std::string why = states[i].up() || !link.is_object() ? "" : link.value("why", "");
+    const std::string why = states[i].up() ? "" : states[i].line("link").text("/why");
     if (robot.linked == states[i].up() && robot.link == why) continue;
     robot.linked = states[i].up();
     robot.link = why;

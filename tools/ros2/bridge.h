@@ -48,9 +48,9 @@ class Bridge {
 
   Bridge(const BridgeOptions& options, std::vector<tools::RobotAddress> robots);
   Status open();
-  void hear(std::size_t robot, const nlohmann::json& line);
-  void greet(Robot& robot, const nlohmann::json& line);
-  void tell_motion(Robot& robot, const nlohmann::json& line);
+  void hear(std::size_t robot, const tools::TelemetryLine& line);
+  void greet(Robot& robot, const std::string& name);
+  void tell_motion(Robot& robot, const tools::TelemetryLine& line);
   // Once a second for each robot, when it has told all of that second.
   void tell_maps(Robot& robot, const tools::RobotState& state);
   void tell_peers_frames(const std::vector<tools::RobotState>& states);

@@ -7,16 +7,7 @@
 namespace zenith::ros2 {
 namespace {
 
-using nlohmann::json;
 using Level = Diagnosis::Level;
-
-// What is at this place of a line, as text: "" when there is nothing.
-std::string text_at(const json& line, const char* pointer) {
-  const json::json_pointer place(pointer);
-  if (!line.is_object() || !line.contains(place)) return "";
-  const json& value = line.at(place);
-  return value.is_string() ? value.get<std::string>() : value.dump();
-}
 
 struct Place {
   const char* name;
@@ -40,6 +31,7 @@ constexpr Place kRobotPlaces[] = {
     {"of these for want of a CPU", "deadlines", "/explained"},
     {"step, 99.9 % (ms)", "deadlines", "/step/p999_ms"},
     {"peers heard", "radio", "/peers"},
+    {"lines of telemetry that could not be read", "view", "/refused_lines"},
 };
 constexpr Place kPeerPlaces[] = {
     {"confidence", "", "/confidence"},
@@ -61,31 +53,31 @@ Diagnosis robot_itself(const tools::RobotState& robot) {
   Diagnosis out;
   out.name = "zenith: " + robot.name();
   out.hardware = robot.name();
-  const json& health = robot.line("health");
-  if (!robot.up() || health.is_null()) {
+  const tools::TelemetryLine& health = robot.line("health");
+  if (!robot.up() || health.empty()) {
     out.level = Level::kStale;
-    out.message = robot.up() ? "nothing told yet" : text_at(robot.line("link"), "/why");
+    out.message = robot.up() ? "nothing told yet" : robot.line("link").text("/why");
     return out;
   }
-  const std::string state = text_at(health, "/state");
-  const std::string reason = text_at(health, "/reason");
+  const std::string state = health.text("/state");
+  const std::string reason = health.text("/reason");
   out.level = level_of(state);
   out.message = reason.empty() ? state : state + ": " + reason;
   for (const Place& place : kRobotPlaces) {
-    const std::string value = text_at(robot.line(place.line), place.pointer);
+    const std::string value = robot.line(place.line).text(place.pointer);
     if (!value.empty()) out.values.emplace_back(place.name, value);
   }
   return out;
 }
 
-Diagnosis of_alignment(const tools::RobotState& robot, const json& line) {
+Diagnosis of_alignment(const tools::RobotState& robot, const tools::TelemetryLine& line) {
   Diagnosis out;
-  out.name = "zenith: " + robot.name() + ": map of " + text_at(line, "/name");
+  out.name = "zenith: " + robot.name() + ": map of " + line.text("/name");
   out.hardware = robot.name();
-  out.message = text_at(line, "/state");
+  out.message = line.text("/state");
   out.level = out.message == "withdrawn" ? Level::kWarning : Level::kOk;
   for (const Place& place : kPeerPlaces) {
-    out.values.emplace_back(place.name, text_at(line, place.pointer));
+    out.values.emplace_back(place.name, line.text(place.pointer));
   }
   return out;
 }

@@ -78,26 +78,22 @@ void add_options(CLI::App& app, Arguments& a) {
 }
 
 int run(Arguments& a) {
-  std::vector<tools::RobotAddress> robots;
-  for (const std::string& text : a.robots) {
-    auto address = tools::parse_robot_address(text);
-    if (!address) return fail(address.error());
-    robots.push_back(std::move(*address));
-  }
-  if (a.names == "never" && robots.size() > 1) {
+  auto robots = tools::parse_robot_addresses(a.robots);
+  if (!robots) return fail(robots.error());
+  if (a.names == "never" && robots->size() > 1) {
     return fail(
         {"expected --names auto or always with several robots, found never: their topics "
          "and frames would be the same"});
   }
   const char* localhost = std::getenv("ROS_LOCALHOST_ONLY");
   a.options.localhost = localhost != nullptr && std::string(localhost) == "1";
-  a.options.prefixed = a.names == "always" || (a.names == "auto" && robots.size() > 1);
+  a.options.prefixed = a.names == "always" || (a.names == "auto" && robots->size() > 1);
   a.options.transforms = !a.no_tf;
   a.options.peers_transforms = !a.no_peers_tf;
   Log& log = process_log();
   Signals signals;
   if (const Status opened = signals.open(); !opened) return fail(opened.error());
-  auto bridge = ros2::Bridge::start(a.options, std::move(robots));
+  auto bridge = ros2::Bridge::start(a.options, std::move(*robots));
   if (!bridge) return fail(bridge.error());
   log_line(LogLevel::kNotice, "in DDS domain %u", a.options.domain);
   constexpr Duration kSlice = {200'000'000};

@@ -5,14 +5,13 @@
 #include <cstdint>
 #include <optional>
 
-#include <nlohmann/json.hpp>
-
 #include "slam/geometry.h"
+#include "tools/view/telemetry_line.h"
 
 namespace zenith::ros2 {
 
 // Over (x, y, theta): xx xy xt yy yt tt.
-using PlanarCovariance = std::array<double, 6>;
+using PlanarCovariance = tools::CovarianceNumbers;
 
 struct Motion {
   std::int64_t system_ns = 0;  // of the frame, on the system's clock (CLOCK_REALTIME)
@@ -27,12 +26,14 @@ struct Motion {
 };
 
 // `system_offset_ns` is what `hello` and `health` tell. Nothing when a number is missing.
-std::optional<Motion> read_motion(const nlohmann::json& line, std::int64_t system_offset_ns);
+std::optional<Motion> read_motion(const tools::TelemetryLine& line, std::int64_t system_offset_ns);
 
-// `stamp_ns` of a line on the system's clock; 0 when there is none.
-std::int64_t system_stamp(const nlohmann::json& line, std::int64_t system_offset_ns);
+// `stamp_ns` of a line on the system's clock; 0 when there is none, or it is none of ROS 2's times,
+// which end in 2038.
+std::int64_t system_stamp(const tools::TelemetryLine& line, std::int64_t system_offset_ns);
 
-// Three numbers x, y, theta.
-std::optional<Pose2> read_pose(const nlohmann::json& numbers);
+inline Pose2 pose_of(const tools::PlanarNumbers& numbers) {
+  return {numbers[0], numbers[1], numbers[2]};
+}
 
 }  // namespace zenith::ros2

@@ -8,7 +8,9 @@
 namespace zenith::ros2 {
 
 // A name as ROS 2 allows it in topics: letters, digits and single underscores, no digit first.
-// Others become underscores: "robot-7" is robot_7.
+// Others become underscores, and eight digits of the name's hash follow, so that names which differ
+// stay apart: "robot-7" is robot_7_xxxxxxxx, always the same. "past self", what zenithd calls a
+// robot's map of an earlier run, is past_self; a robot that calls itself so gets the digits.
 std::string ros_name(std::string_view name);
 
 struct FrameNames {

@@ -1,8 +1,12 @@
 #include "tools/ros2/robot_topics.h"
 
+#include <algorithm>
+
 #include <zenith_ros2_idl/geometry_msgs.h>
 #include <zenith_ros2_idl/nav_msgs.h>
 
+#include "platform/linux/clock.h"
+#include "platform/linux/log.h"
 #include "tools/ros2/convert.h"
 #include "tools/ros2/landmark_cloud.h"
 
@@ -57,15 +61,37 @@ Result<std::unique_ptr<RobotTopics>> RobotTopics::make(const Participant& partic
   return out;
 }
 
+Status RobotTopics::make_room(const std::string& name, Time now) {
+  if (peers_.size() < kPeers) return {};
+  const auto oldest =
+      std::min_element(peers_.begin(), peers_.end(),
+                       [](const auto& a, const auto& b) { return a.second.used < b.second.used; });
+  if (now - oldest->second.used < kSilence) {
+    return Error{"more than " + std::to_string(kPeers) +
+                 " robots are heard at a time: no topics for " + name + " until one falls silent"};
+  }
+  log_line(LogLevel::kWarning, "the topics of %s end: it is silent, and %s is heard",
+           oldest->first.c_str(), name.c_str());
+  peers_.erase(oldest);
+  return {};
+}
+
 Result<const RobotTopics::Peer*> RobotTopics::peer(const std::string& name) {
+  const Time now = monotonic_now();
   const std::string own = ros_name(name);
   const auto found = peers_.find(own);
-  if (found != peers_.end()) return &found->second;
-  if (peers_.size() >= kPeers) {
-    return Error{"more than " + std::to_string(kPeers) + " robots were heard: no topics for " +
-                 name + " until the bridge begins anew"};
+  if (found != peers_.end()) {
+    if (found->second.name != name) {
+      return Error{"robots " + found->second.name + " and " + name + " would share the topics " +
+                   own + ": none for the second; give it another name"};
+    }
+    found->second.used = now;
+    return &found->second;
   }
+  if (const Status room = make_room(name, now); !room) return room.error();
   Peer peer;
+  peer.name = name;
+  peer.used = now;
   const std::string folder = "peers/" + own + "/";
   const Status made = make_all(
       participant_,
@@ -96,21 +122,17 @@ Status RobotTopics::tell_landmarks(std::int64_t system_ns, const Rows& rows) con
   return write_cloud(landmarks_, system_ns, names_.map(), rows);
 }
 
-Status RobotTopics::tell_alignment(std::int64_t system_ns, const nlohmann::json& line) {
-  const auto told = peer(line.value("name", ""));
+Status RobotTopics::tell_alignment(std::int64_t system_ns, const tools::AlignmentLine& line) {
+  const auto told = peer(line.name);
   if (!told) return told.error();
-  const auto pose = read_pose(line.value("pose", nlohmann::json()));
-  const auto variance = read_pose(line.value("variance", nlohmann::json()));
-  if (pose && variance) {
-    const PlanarCovariance covariance = {variance->x_m, 0, 0,
-                                         variance->y_m, 0, variance->theta_rad};
-    const Status written =
-        write_pose((*told)->alignment, system_ns, names_.map(), *pose, covariance);
+  if (line.pose && line.variance) {
+    const auto& [xx, yy, tt] = *line.variance;
+    const Status written = write_pose((*told)->alignment, system_ns, names_.map(),
+                                      pose_of(*line.pose), {xx, 0, 0, yy, 0, tt});
     if (!written) return written;
   }
-  const auto confidence = line.find("confidence");
-  if (confidence == line.end() || !confidence->is_number()) return {};
-  const std_msgs_msg_dds__Float32_ message = {confidence->get<float>()};
+  if (!line.confidence) return {};
+  const std_msgs_msg_dds__Float32_ message = {static_cast<float>(*line.confidence)};
   return (*told)->confidence.write(&message);
 }
 

@@ -14,8 +14,7 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
+#include "platform/base/time.h"
 #include "tools/ros2/motion.h"
 #include "tools/ros2/names.h"
 #include "tools/ros2/participant.h"
@@ -26,7 +25,10 @@ namespace zenith::ros2 {
 class RobotTopics {
  public:
   using Rows = std::vector<tools::RobotState::Row>;
-  static constexpr std::size_t kPeers = 64;  // names that are heard while the robot runs
+  // Names that are heard at a time. For a further one the topics of the longest silent peer end,
+  // once it has told nothing for kSilence.
+  static constexpr std::size_t kPeers = 64;
+  static constexpr Duration kSilence = {5'000'000'000};
 
   // `participant` must outlive it.
   static Result<std::unique_ptr<RobotTopics>> make(const Participant& participant,
@@ -36,12 +38,13 @@ class RobotTopics {
 
   Status tell_motion(const Motion& motion) const;
   Status tell_landmarks(std::int64_t system_ns, const Rows& rows) const;
-  // A line `alignment`.
-  Status tell_alignment(std::int64_t system_ns, const nlohmann::json& line);
+  Status tell_alignment(std::int64_t system_ns, const tools::AlignmentLine& line);
   Status tell_peer_landmarks(const std::string& peer, std::int64_t system_ns, const Rows& rows);
 
  private:
   struct Peer {
+    std::string name;  // as it was told: two names never share topics
+    Time used;
     Writer alignment;
     Writer confidence;
     Writer landmarks;
@@ -50,13 +53,14 @@ class RobotTopics {
   RobotTopics(const Participant& participant, RobotNames names)
       : participant_(participant), names_(std::move(names)) {}
   Result<const Peer*> peer(const std::string& name);
+  Status make_room(const std::string& name, Time now);
 
   const Participant& participant_;
   const RobotNames names_;
   Writer odom_;
   Writer pose_;
   Writer landmarks_;
-  std::map<std::string, Peer> peers_;
+  std::map<std::string, Peer> peers_;  // by what ROS 2 calls them
 };
 
 }  // namespace zenith::ros2

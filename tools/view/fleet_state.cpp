@@ -1,6 +1,7 @@
 #include "tools/view/fleet_state.h"
 
 #include "platform/base/base64.h"
+#include "tools/view/bounded_json.h"
 
 namespace zenith::tools {
 namespace {
@@ -28,9 +29,14 @@ std::size_t FleetState::size() const {
   return robots_.size();
 }
 
-void FleetState::apply(std::size_t robot, const json& line) {
+void FleetState::apply(std::size_t robot, const TelemetryLine& line) {
   const Lock lock(mutex_);
-  robots_[robot].apply(line, ++version_);
+  if (robots_[robot].apply(line, ++version_)) ++epoch_;
+}
+
+void FleetState::count_refused(std::size_t robot, LineFault fault) {
+  const Lock lock(mutex_);
+  robots_[robot].count_refused(fault, ++version_);
 }
 
 void FleetState::set_link(std::size_t robot, bool up, const std::string& why) {
@@ -70,20 +76,24 @@ bool FleetState::take_wish(std::size_t robot) {
 
 json FleetState::answer(const json& request) {
   const Lock lock(mutex_);
-  const std::uint64_t epoch = request.value("epoch", std::uint64_t{0});
-  const bool all = epoch != epoch_;
-  const std::uint64_t seen = all ? 0 : request.value("seen", std::uint64_t{0});
+  const auto number = [&](const char* key) {
+    return static_cast<std::uint64_t>(
+        read_integer(member(request, key), 0, std::numeric_limits<std::int64_t>::max())
+            .value_or(0));
+  };
+  const bool all = number("epoch") != epoch_;
+  const std::uint64_t seen = all ? 0 : number("seen");
   json out = {{"epoch", epoch_}, {"seen", version_}, {"reset", all}, {"clock", clock_}};
   json& robots = out["robots"] = json::array();
-  const int picture = request.value("picture", -1);
+  const auto picture = read_integer(member(request, "picture"), 0, kMostRobots);
   for (std::size_t i = 0; i < robots_.size(); ++i) {
     json changes = robots_[i].changes(seen);
     if (changes.is_null()) changes = json::object();
     changes["name"] = robots_[i].name();
-    if (static_cast<int>(i) == picture) {
+    if (picture && static_cast<std::size_t>(*picture) == i) {
       wishes_[i] = true;
       const auto& last = robots_[i].picture();
-      if (last && last->serial != request.value("picture_seen", std::uint64_t{0})) {
+      if (last && last->serial != number("picture_seen")) {
         changes["picture"] = last->told;
         changes["picture"]["serial"] = last->serial;
         changes["picture"]["image"] = data_url(last->jpeg);

@@ -28,7 +28,9 @@ class FleetState {
   std::size_t add(const std::string& label);
   std::size_t size() const;
 
-  void apply(std::size_t robot, const nlohmann::json& line);
+  void apply(std::size_t robot, const TelemetryLine& line);
+  // A line came that is none of telemetry's.
+  void count_refused(std::size_t robot, LineFault fault);
   void set_link(std::size_t robot, bool up, const std::string& why);
   // Everything is forgotten; lines then build another state (a replay that goes back). Calls of
   // `build` to apply() are within the same lock: nobody sees the half.

@@ -5,7 +5,8 @@
 #include <cmath>
 
 #include "platform/base/base64.h"
-#include "tools/report/canvas.h"
+#include "tools/report/colour.h"
+#include "tools/view/bounded_json.h"
 #include "tools/view/placement.h"
 
 namespace zenith::tools {
@@ -16,6 +17,8 @@ using nlohmann::json;
 constexpr std::uint32_t kFrames = 1;
 constexpr std::uint32_t kPerRobot = 10;
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
+constexpr JsonLimits kMessageLimits = {WebSocketReader::kMostBytes, 5, 4096};
+constexpr std::int64_t kLastChannel = (kMostRobots + 1) * kPerRobot;
 
 std::uint32_t scene_of(std::size_t robot) {
   return static_cast<std::uint32_t>(robot + 1) * kPerRobot;
@@ -113,31 +116,33 @@ FoxgloveMessage FoxgloveSession::server_info() {
 }
 
 void FoxgloveSession::receive(std::string_view text) {
-  const json said = json::parse(text, nullptr, false);
-  if (!said.is_object()) return;
-  constexpr std::size_t kMost = 256;
-  try {
-    const std::string op = said.value("op", "");
-    if (op == "subscribe") {
-      for (const json& wish : said.at("subscriptions")) {
-        if (subscriptions_.size() >= kMost) return;
-        const auto wanted = wish.at("channelId").get<Channel>();
-        subscriptions_[wish.at("id").get<std::uint32_t>()] = wanted;
-        fresh_.insert(wanted);
-      }
-    } else if (op == "unsubscribe") {
-      for (const json& id : said.at("subscriptionIds")) {
-        subscriptions_.erase(id.get<std::uint32_t>());
-      }
+  const json said = parse_bounded(text, kMessageLimits).value;
+  const auto op = read_text(member(said, "op"), kLongestName);
+  if (op == "subscribe") {
+    for (const json& wish : member(said, "subscriptions")) {
+      const auto id = read_integer(member(wish, "id"), 0, UINT32_MAX);
+      const auto wanted = read_integer(member(wish, "channelId"), 0, kLastChannel);
+      if (!id || !wanted) continue;
+      const auto to = static_cast<Channel>(*wanted);
+      pictures_.erase(to / kPerRobot - 1);  // the last one is sent once more
+      subscriptions_[to] = static_cast<std::uint32_t>(*id);
     }
-  } catch (const json::exception&) {
-    return;  // nothing of the protocol's
+  } else if (op == "unsubscribe") {
+    for (const json& gone : member(said, "subscriptionIds")) {
+      const auto id = read_integer(gone, 0, UINT32_MAX);
+      if (!id) continue;
+      std::erase_if(subscriptions_, [&](const auto& entry) { return entry.second == *id; });
+    }
   }
 }
 
-bool FoxgloveSession::subscribed(Channel wanted) const {
-  return std::any_of(subscriptions_.begin(), subscriptions_.end(),
-                     [wanted](const auto& entry) { return entry.second == wanted; });
+// Once a second, also when it is subscribed again and again.
+bool FoxgloveSession::is_due(Channel channel, std::int64_t now_ns) {
+  if (!subscribed(channel)) return false;
+  std::int64_t& next = next_ns_[channel];
+  if (now_ns < next && next - now_ns <= kSecond_ns) return false;
+  next = now_ns + kSecond_ns;
+  return true;
 }
 
 bool FoxgloveSession::wants_picture(std::size_t robot) const {
@@ -149,7 +154,7 @@ std::optional<FoxgloveMessage> FoxgloveSession::advertise(const std::vector<Robo
   json channels = json::array();
   if (advertised_.empty()) channels.push_back(channel(kFrames, "/tf", "foxglove.FrameTransform"));
   for (std::size_t i = 0; i < robots.size(); ++i) {
-    if (robots[i].line("hello").is_null() || advertised_.count(i) > 0) continue;
+    if (robots[i].line("hello").empty() || advertised_.count(i) > 0) continue;
     const std::string& name = robots[i].name();
     advertised_[i] = name;
     channels.push_back(channel(scene_of(i), "/" + name + "/scene", "foxglove.SceneUpdate"));
@@ -161,16 +166,17 @@ std::optional<FoxgloveMessage> FoxgloveSession::advertise(const std::vector<Robo
 
 void FoxgloveSession::put(std::vector<FoxgloveMessage>& out, Channel to, std::int64_t stamp_ns,
                           const json& message) const {
+  const auto found = subscriptions_.find(to);
+  if (found == subscriptions_.end()) return;
   const std::string payload = message.dump(-1, ' ', false, json::error_handler_t::replace);
-  for (const auto& [id, wanted] : subscriptions_) {
-    if (wanted != to) continue;
-    FoxgloveMessage data{true, std::string(1, '\x01')};
-    for (unsigned i = 0; i < 4; ++i) data.bytes += static_cast<char>(id >> (8 * i) & 0xffU);
-    const auto time = static_cast<std::uint64_t>(stamp_ns);
-    for (unsigned i = 0; i < 8; ++i) data.bytes += static_cast<char>(time >> (8 * i) & 0xffU);
-    data.bytes += payload;
-    out.push_back(std::move(data));
+  FoxgloveMessage data{true, std::string(1, '\x01')};
+  for (unsigned i = 0; i < 4; ++i) {
+    data.bytes += static_cast<char>(found->second >> (8 * i) & 0xffU);
   }
+  const auto time = static_cast<std::uint64_t>(stamp_ns);
+  for (unsigned i = 0; i < 8; ++i) data.bytes += static_cast<char>(time >> (8 * i) & 0xffU);
+  data.bytes += payload;
+  out.push_back(std::move(data));
 }
 
 void FoxgloveSession::put_frames(std::vector<FoxgloveMessage>& out,
@@ -179,11 +185,11 @@ void FoxgloveSession::put_frames(std::vector<FoxgloveMessage>& out,
     put(out, kFrames, now_ns, frame(now_ns, "map", name + "/start", T_map_start));
   }
   for (const RobotState& robot : robots) {
-    if (robot.path().empty()) continue;
-    const json& pose = robot.line("pose").at("pose");
+    const auto* pose = robot.line("pose").as<PoseLine>();
+    if (pose == nullptr) continue;
+    const auto& [x, y, theta] = pose->pose;
     put(out, kFrames, now_ns,
-        frame(now_ns, robot.name() + "/start", robot.name() + "/base_link",
-              {pose[0], pose[1], pose[2]}));
+        frame(now_ns, robot.name() + "/start", robot.name() + "/base_link", {x, y, theta}));
   }
 }
 
@@ -199,30 +205,37 @@ void FoxgloveSession::put_scene(std::vector<FoxgloveMessage>& out,
       {{"deletions", json::array()}, {"entities", {std::move(marks), std::move(path)}}});
 }
 
+void FoxgloveSession::put_robot(std::vector<FoxgloveMessage>& out,
+                                const std::vector<RobotState>& robots, std::size_t robot,
+                                std::int64_t now_ns) {
+  if (is_due(scene_of(robot), now_ns)) put_scene(out, robots, robot, now_ns);
+  const auto& picture = robots[robot].picture();
+  if (!picture || !wants_picture(robot)) return;
+  const auto sent = pictures_.find(robot);
+  if (sent != pictures_.end() && sent->second == picture->serial) return;
+  if (sent == pictures_.end() && !is_due(image_of(robot), now_ns)) return;
+  pictures_[robot] = picture->serial;
+  std::string data(base64_size(picture->jpeg.size()), ' ');
+  write_base64(picture->jpeg, data.data());
+  put(out, image_of(robot), now_ns,
+      {{"timestamp", stamp(now_ns)},
+       {"frame_id", robots[robot].name() + "/base_link"},
+       {"format", "jpeg"},
+       {"data", data}});
+}
+
 std::vector<FoxgloveMessage> FoxgloveSession::turn(std::int64_t now_ns,
                                                    const std::vector<RobotState>& robots) {
   std::vector<FoxgloveMessage> out;
   if (auto channels = advertise(robots)) out.push_back(std::move(*channels));
-  put_frames(out, robots, now_ns);
-  const bool due = now_ns >= next_scene_ns_;
-  if (due) next_scene_ns_ = now_ns + kSecond_ns;
-  for (std::size_t i = 0; i < robots.size(); ++i) {
-    if (subscribed(scene_of(i)) && (due || fresh_.count(scene_of(i)) > 0)) {
-      put_scene(out, robots, i, now_ns);
-    }
-    const auto& picture = robots[i].picture();
-    if (!picture || !wants_picture(i)) continue;
-    if (pictures_[i] == picture->serial && fresh_.count(image_of(i)) == 0) continue;
-    pictures_[i] = picture->serial;
-    std::string data(base64_size(picture->jpeg.size()), ' ');
-    write_base64(picture->jpeg, data.data());
-    put(out, image_of(i), now_ns,
-        {{"timestamp", stamp(now_ns)},
-         {"frame_id", robots[i].name() + "/base_link"},
-         {"format", "jpeg"},
-         {"data", data}});
+  if (subscribed(kFrames)) put_frames(out, robots, now_ns);
+  std::size_t bytes = 0;
+  for (std::size_t i = 0; i < robots.size() && bytes < kMostBytes; ++i) {
+    const std::size_t before = out.size();
+    put_robot(out, robots, first_, now_ns);
+    for (std::size_t k = before; k < out.size(); ++k) bytes += out[k].bytes.size();
+    first_ = (first_ + 1) % robots.size();
   }
-  fresh_.clear();
   return out;
 }
 

@@ -12,7 +12,6 @@
 #include <cstdint>
 #include <map>
 #include <optional>
-#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -20,20 +19,22 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/view/robot_state.h"
+#include "tools/view/web_connection.h"
 
 namespace zenith::tools {
 
-struct FoxgloveMessage {
-  bool binary = false;
-  std::string bytes;
-};
+using FoxgloveMessage = WebMessage;
 
 class FoxgloveSession {
  public:
+  // Of one turn; what is left comes with the next ones.
+  static constexpr std::size_t kMostBytes = std::size_t{8} << 20U;
+
   // What a viewer that has just connected gets.
   static FoxgloveMessage server_info();
 
-  // A text from the viewer. Not understood: passed over.
+  // A text from the viewer. Not understood: passed over. A channel has one subscription, the
+  // latest.
   void receive(std::string_view text);
   // What is to be sent now; call some ten times a second. `now_ns` rises.
   std::vector<FoxgloveMessage> turn(std::int64_t now_ns, const std::vector<RobotState>& robots);
@@ -50,13 +51,16 @@ class FoxgloveSession {
                   std::int64_t now_ns);
   void put_scene(std::vector<FoxgloveMessage>& out, const std::vector<RobotState>& robots,
                  std::size_t robot, std::int64_t now_ns) const;
-  bool subscribed(Channel channel) const;
+  bool subscribed(Channel channel) const { return subscriptions_.count(channel) > 0; }
+  bool is_due(Channel channel, std::int64_t now_ns);
+  void put_robot(std::vector<FoxgloveMessage>& out, const std::vector<RobotState>& robots,
+                 std::size_t robot, std::int64_t now_ns);
 
   std::map<std::size_t, std::string> advertised_;   // robots, by the name that was told
-  std::map<std::uint32_t, Channel> subscriptions_;  // by the viewer's number
+  std::map<Channel, std::uint32_t> subscriptions_;  // the viewer's number of each channel
   std::map<std::size_t, std::uint64_t> pictures_;   // serials that were sent
-  std::set<Channel> fresh_;                         // subscribed since the last turn
-  std::int64_t next_scene_ns_ = 0;
+  std::map<Channel, std::int64_t> next_ns_;         // of scenes; and of pictures sent once more
+  std::size_t first_ = 0;                           // the robot whose turn is next
 };
 
 // {"title": .., "type": "object", "properties": ..} of one of Foxglove's types.

@@ -3,8 +3,6 @@
 namespace zenith::tools {
 namespace {
 
-using nlohmann::json;
-
 constexpr Duration kPictureEvery = {1'000'000'000};
 constexpr std::size_t kEntryBytes = 96;  // besides its text
 
@@ -16,7 +14,7 @@ void History::add(const std::string& label) {
   kept_.emplace_back(kPictureEvery);
 }
 
-void History::note(std::size_t robot, const RobotState& state, const json& line,
+void History::note(std::size_t robot, const RobotState& state, const TelemetryLine& line,
                    std::string_view text, Time now) {
   const std::lock_guard lock(mutex_);
   std::string kept = kept_[robot].take(state, line, text, now);
@@ -28,7 +26,8 @@ void History::note(std::size_t robot, const RobotState& state, const json& line,
 
 void History::drop_oldest() {
   const Entry& oldest = entries_.front();
-  before_[oldest.robot].apply(json::parse(oldest.text, nullptr, false), ++version_);
+  const DecodedLine decoded = decode_telemetry(oldest.text);
+  if (decoded.line) before_[oldest.robot].apply(*decoded.line, ++version_);
   bytes_ -= oldest.text.size() + kEntryBytes;
   entries_.pop_front();
 }
@@ -48,13 +47,18 @@ Timeline History::timeline() const {
   Timeline timeline;
   for (std::size_t i = 0; i < before_.size(); ++i) {
     timeline.robots.push_back(before_[i].name());
-    for (json& line : before_[i].as_lines()) timeline.entries.push_back({0.0, i, std::move(line)});
+    for (TelemetryLine& line : before_[i].as_lines()) {
+      timeline.entries.push_back({0.0, i, std::move(line)});
+    }
   }
   for (const Entry& entry : entries_) {
-    json line = json::parse(entry.text, nullptr, false);
-    if (line.value("type", "") == "hello") timeline.robots[entry.robot] = line.value("robot", "?");
+    DecodedLine decoded = decode_telemetry(entry.text);
+    if (!decoded.line) continue;
+    if (const auto* hello = decoded.line->as<HelloLine>()) {
+      timeline.robots[entry.robot] = hello->robot;
+    }
     timeline.entries.push_back(
-        {(entry.at - entries_.front().at).seconds(), entry.robot, std::move(line)});
+        {(entry.at - entries_.front().at).seconds(), entry.robot, std::move(*decoded.line)});
   }
   if (!timeline.entries.empty()) timeline.duration_s = timeline.entries.back().t_s;
   find_marks(timeline);

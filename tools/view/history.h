@@ -28,7 +28,7 @@ class History {
   // Robots are numbered in the order in which they are added.
   void add(const std::string& label);
   // A line that robot's state has taken.
-  void note(std::size_t robot, const RobotState& state, const nlohmann::json& line,
+  void note(std::size_t robot, const RobotState& state, const TelemetryLine& line,
             std::string_view text, Time now);
 
   // From the oldest line to the newest one.

@@ -6,10 +6,11 @@ namespace zenith::tools {
 
 using nlohmann::json;
 
-std::string KeptLines::take(const RobotState& state, const json& line, std::string_view text,
-                            Time now) {
-  const std::string type = line.value("type", "");
-  if (type != "picture" && type != "strip") return std::string(text);
+std::string KeptLines::take(const RobotState& state, const TelemetryLine& line,
+                            std::string_view text, Time now) {
+  if (line.as<PictureLine>() == nullptr && line.as<StripLine>() == nullptr) {
+    return std::string(text);
+  }
   const auto& picture = state.picture();
   if (!picture || picture->serial == picture_ || now < next_picture_) return "";
   picture_ = picture->serial;

@@ -6,8 +6,6 @@
 #include <string>
 #include <string_view>
 
-#include <nlohmann/json.hpp>
-
 #include "platform/base/time.h"
 #include "tools/view/robot_state.h"
 
@@ -19,7 +17,7 @@ class KeptLines {
 
   // What is kept of `line`, whose text is `text` and which `state` has taken: the text, the whole
   // picture that it completes, or nothing ("").
-  std::string take(const RobotState& state, const nlohmann::json& line, std::string_view text,
+  std::string take(const RobotState& state, const TelemetryLine& line, std::string_view text,
                    Time now);
 
  private:

@@ -3,12 +3,14 @@
 #include <poll.h>
 
 #include "platform/linux/clock.h"
+#include "platform/linux/log.h"
 
 namespace zenith::tools {
 namespace {
 
 // A daemon tells pictures for three seconds after it was asked.
 constexpr Duration kAskEvery = {1'000'000'000};
+constexpr Duration kLogEvery = {60'000'000'000};
 
 }  // namespace
 
@@ -17,15 +19,25 @@ Live::Live(FleetState& state, std::vector<RobotAddress> robots, Heard heard)
   for (RobotAddress& robot : robots) {
     const std::size_t number = state_.add(robot.text.empty() ? "robot" : robot.text);
     links_.emplace_back(std::move(robot));
+    next_log_.emplace_back();
     state_.set_link(number, false, links_.back().why());
   }
 }
 
 void Live::take(std::size_t robot, std::string_view text, Time now) {
-  const nlohmann::json line = nlohmann::json::parse(text, nullptr, false);
-  if (!line.is_object()) return;
-  state_.apply(robot, line);
-  if (heard_) heard_(robot, line, text, now);
+  const DecodedLine decoded = decode_telemetry(text);
+  if (!decoded.line) return refuse(robot, decoded, now);
+  state_.apply(robot, *decoded.line);
+  if (heard_) heard_(robot, *decoded.line, text, now);
+}
+
+void Live::refuse(std::size_t robot, const DecodedLine& decoded, Time now) {
+  state_.count_refused(robot, decoded.fault);
+  Time& next = next_log_[robot][static_cast<std::size_t>(decoded.fault)];
+  if (now < next) return;
+  next = now + kLogEvery;
+  log_line(LogLevel::kWarning, "%s: a line of its telemetry was skipped: %s %s",
+           links_[robot].address().c_str(), fault_name(decoded.fault), decoded.field.c_str());
 }
 
 void Live::turn(Duration wait, int wake_fd) {

@@ -2,6 +2,7 @@
 // Listens to robots and keeps their state: the one thread of `zenith view` and `zenith metrics`
 // that talks with daemons.
 
+#include <array>
 #include <functional>
 #include <string_view>
 #include <vector>
@@ -15,7 +16,8 @@ namespace zenith::tools {
 class Live {
  public:
   // After each line: the robot's number, the line that the state has just taken in, and its text.
-  using Heard = std::function<void(std::size_t robot, const nlohmann::json& line,
+  // What is no line of telemetry is counted, and logged once a minute for each kind of fault.
+  using Heard = std::function<void(std::size_t robot, const TelemetryLine& line,
                                    std::string_view text, Time now)>;
 
   // `state` must outlive it; robots are added to it in this order.
@@ -26,10 +28,12 @@ class Live {
 
  private:
   void take(std::size_t robot, std::string_view text, Time now);
+  void refuse(std::size_t robot, const DecodedLine& decoded, Time now);
 
   FleetState& state_;
   const Heard heard_;
   std::vector<TelemetryLink> links_;
+  std::vector<std::array<Time, kLineFaults>> next_log_;  // of each robot, by fault
   Time next_wish_;
 };
 

@@ -1,5 +1,9 @@
 #include "tools/view/look_back.h"
 
+#include <algorithm>
+
+#include "tools/view/bounded_json.h"
+
 namespace zenith::tools {
 namespace {
 
@@ -11,35 +15,35 @@ constexpr std::uint64_t kEpochsOfOne = std::uint64_t{1} << 32U;
 }  // namespace
 
 void LookBack::control(const json& asked) {
-  if (!asked.is_object()) return;
-  if (asked.contains("look_back") && asked["look_back"].is_number()) {
-    // Reading the history takes a moment, in which others get their answers.
-    Timeline timeline = history_.timeline();
-    std::uint64_t epoch = 0;
-    {
-      const std::lock_guard lock(mutex_);
-      epoch = epoch_ += kEpochsOfOne;
-    }
-    auto past = std::make_shared<Past>(epoch, std::move(timeline));
-    past->player.control({{"seek", asked["look_back"]}, {"play", false}});
-    const std::lock_guard lock(mutex_);
-    past_ = std::move(past);
-    return;
-  }
+  const auto to_s = read_number(member(asked, "look_back"));
   std::shared_ptr<Past> past;
+  bool anew = false;
+  std::uint64_t epoch = 0;
   {
     const std::lock_guard lock(mutex_);
     past = past_;
+    anew = to_s && (past == nullptr || kAnewAfter <= since_anew_);
+    if (anew) {
+      since_anew_ = {};
+      epoch = epoch_ += kEpochsOfOne;
+    }
   }
-  if (past) past->player.control(asked);
+  if (anew) {
+    // Reading the history takes a moment, in which the live state goes on.
+    past = std::make_shared<Past>(epoch, history_.timeline());
+    const std::lock_guard lock(mutex_);
+    past_ = past;
+  }
+  if (past == nullptr) return;
+  past->player.control(to_s ? json{{"seek", *to_s}, {"play", false}} : asked);
 }
 
 json LookBack::answer(const json& request) {
-  if (request.contains("control")) control(request["control"]);
+  control(member(request, "control"));
   std::shared_ptr<Past> past;
   {
     const std::lock_guard lock(mutex_);
-    if (request.value("past", false)) past = past_;
+    if (read_flag(member(request, "past")).value_or(false)) past = past_;
   }
   return past ? past->state.answer(request) : live_.answer(request);
 }
@@ -49,6 +53,7 @@ void LookBack::turn(Duration elapsed) {
   {
     const std::lock_guard lock(mutex_);
     past = past_;
+    since_anew_ = std::min(since_anew_ + elapsed, kAnewAfter);
   }
   if (past) past->player.play(elapsed);
   const double duration_s = history_.duration_s();

@@ -18,12 +18,14 @@ namespace zenith::tools {
 
 class LookBack {
  public:
+  static constexpr Duration kAnewAfter = {2'000'000'000};
+
   // Both must outlive it.
   LookBack(FleetState& live, const History& history) : live_(live), history_(history) {}
 
   // {"past": true}: what is shown to those that look back; {"control": {"look_back": seconds}}
-  // begins anew with all that was told until now, at that moment and paused. Others:
-  // FleetState::answer().
+  // begins anew with all that was told until now, at that moment and paused. Sooner than kAnewAfter
+  // it goes there in what it has: reading the history is dear. Others: FleetState::answer().
   nlohmann::json answer(const nlohmann::json& request);
   // So much time has gone by.
   void turn(Duration elapsed);
@@ -42,6 +44,7 @@ class LookBack {
   std::mutex mutex_;
   std::shared_ptr<Past> past_;
   std::uint64_t epoch_ = 1;
+  Duration since_anew_ = kAnewAfter;
 };
 
 }  // namespace zenith::tools

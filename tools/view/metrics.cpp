@@ -7,8 +7,6 @@
 namespace zenith::tools {
 namespace {
 
-using nlohmann::json;
-
 // Where a metric's value stands: `line` of telemetry, `at` in it (a JSON pointer). `line` may end
 // in
 // "/*", `at` may have one "*": one sample each, with the name in the place as `label`.
@@ -133,6 +131,15 @@ constexpr std::array kMetrics = {
     Metric{"zenith_alignment_correspondences", kGauge, "pairs of landmarks that hold the alignment",
            "alignment/*", "/correspondences", "peer"},
 
+    Metric{"zenith_view_refused_lines_total", kCounter,
+           "lines of telemetry that zenith view could not read, by reason", "view",
+           "/refused_lines/*", "reason"},
+    Metric{"zenith_view_peers_evicted_total", kCounter,
+           "names of peers given up by zenith view for new ones: the longest silent first", "view",
+           "/full/peers_evicted"},
+    Metric{"zenith_view_landmarks_refused_total", kCounter,
+           "landmarks for which zenith view had no room", "view", "/full/landmarks_refused"},
+
     Metric{"zenith_radio_open", kGauge, "1: there are sockets", "radio", "/open"},
     Metric{"zenith_radio_peers", kGauge, "robots that are heard", "radio", "/peers"},
     Metric{"zenith_radio_sent_datagrams_total", kCounter, "datagrams sent, each copy counted",
@@ -170,10 +177,8 @@ std::string escaped(const std::string& text) {
 
 using Labels = std::vector<std::pair<std::string, std::string>>;
 
-void put_sample(std::string& out, const char* name, const Labels& labels, const json& value,
+void put_sample(std::string& out, const char* name, const Labels& labels, double number,
                 double scale) {
-  if (!value.is_number() && !value.is_boolean()) return;  // null: no number
-  const double number = value.is_boolean() ? (value.get<bool>() ? 1.0 : 0.0) : value.get<double>();
   out += name;
   out += '{';
   for (const auto& [label, text] : labels) {
@@ -188,18 +193,16 @@ void put_header(std::string& out, const char* name, const char* kind, const char
   out += std::string("# HELP ") + name + " " + help + "\n# TYPE " + name + " " + kind + "\n";
 }
 
-const json& value_at(const json& line, const std::string& at) {
-  static const json kNone;
-  const json::json_pointer pointer(at);
-  return line.contains(pointer) ? line.at(pointer) : kNone;
-}
-
 // One of the last place's names each, or the one value.
-void put_values(std::string& out, const Metric& metric, const json& line, Labels labels) {
+void put_values(std::string& out, const Metric& metric, const TelemetryLine& line,
+                const Labels& labels) {
   const std::string at = metric.at;
-  if (at.back() != '*')
-    return put_sample(out, metric.name, labels, value_at(line, at), metric.scale);
-  for (const auto& [key, value] : value_at(line, at.substr(0, at.size() - 2)).items()) {
+  if (at.back() != '*') {
+    const auto value = line.number(at);
+    if (value) put_sample(out, metric.name, labels, *value, metric.scale);
+    return;
+  }
+  for (const auto& [key, value] : line.numbers_below(at.substr(0, at.size() - 2))) {
     Labels more = labels;
     more.emplace_back(metric.label, key);
     put_sample(out, metric.name, more, value, metric.scale);
@@ -220,33 +223,33 @@ void put_metric(std::string& out, const Metric& metric, const RobotState& robot)
 }
 
 void put_durations(std::string& out, const RobotState& robot) {
-  const json& line = robot.line("deadlines");
+  const TelemetryLine& line = robot.line("deadlines");
   for (const char* what : {"wake_up", "step", "compute", "stolen", "age"}) {
     for (const auto& [key, quantile] :
          {std::pair{"p50_ms", "0.5"}, {"p95_ms", "0.95"}, {"p999_ms", "0.999"}, {"max_ms", "1"}}) {
-      const json& value = value_at(line, std::string("/") + what + "/" + key);
+      const auto value = line.number(std::string("/") + what + "/" + key);
+      if (!value) continue;
       put_sample(out, kDurations, {{"robot", robot.name()}, {"what", what}, {"quantile", quantile}},
-                 value, kMilli);
+                 *value, kMilli);
     }
   }
 }
 
 void put_states(std::string& out, const RobotState& robot) {
-  const json& health = robot.line("health");
-  if (!health.is_object()) return;
+  const TelemetryLine& health = robot.line("health");
+  if (health.empty()) return;
   for (const char* state : {"starting", "mapping", "merged", "degraded", "fault"}) {
     put_sample(out, kState, {{"robot", robot.name()}, {"state", state}},
-               health.value("state", "") == state, 1.0);
+               health.text("/state") == state ? 1.0 : 0.0, 1.0);
   }
 }
 
 void put_merges(std::string& out, const RobotState& robot) {
-  constexpr std::string_view kAlignment = "alignment/";
   for (const auto& [key, line] : robot.lines()) {
-    if (key.compare(0, kAlignment.size(), kAlignment) != 0) continue;
-    put_sample(out, "zenith_merged",
-               {{"robot", robot.name()}, {"peer", key.substr(kAlignment.size())}},
-               line.value("state", "") == "merged", 1.0);
+    const auto* alignment = line.as<AlignmentLine>();
+    if (alignment == nullptr) continue;
+    put_sample(out, "zenith_merged", {{"robot", robot.name()}, {"peer", alignment->name}},
+               alignment->state == "merged" ? 1.0 : 0.0, 1.0);
   }
 }
 
@@ -260,7 +263,7 @@ const std::array<Special, 4>& specials() {
   static const std::array<Special, 4> kSpecials = {{
       {{kUp, kGauge, "robot", "1: its daemon tells"},
        [](std::string& out, const RobotState& robot) {
-         put_sample(out, kUp, {{"robot", robot.name()}}, robot.up(), 1.0);
+         put_sample(out, kUp, {{"robot", robot.name()}}, robot.up() ? 1.0 : 0.0, 1.0);
        }},
       {{kState, kGauge, "robot, state", "1: the state that its lights show"}, put_states},
       {{"zenith_merged", kGauge, "robot, peer", "1: the peer's map is one with the own"},

@@ -5,6 +5,8 @@
 #include <utility>
 
 #include "platform/linux/clock.h"
+#include "platform/linux/log.h"
+#include "tools/view/bounded_json.h"
 #include "tools/view/jpeg.h"
 #include "tools/view/player.h"
 
@@ -15,15 +17,25 @@ using nlohmann::json;
 
 constexpr Duration kSlice = {50'000'000};
 
-// "127.0.0.1:8765"
-std::string place_of(const WebOptions& options, int port) {
-  return (options.bind == "0.0.0.0" ? "localhost" : options.bind) + ":" + std::to_string(port);
+// "127.0.0.1:8765/?token=0123456789abcdef"
+std::string place_of(const WebOptions& options, const WebServer& server) {
+  const bool any = options.bind == "0.0.0.0" || options.bind == "::" || options.bind == "[::]";
+  std::string host = any ? "localhost" : options.bind;
+  if (host.find(':') != std::string::npos && host[0] != '[') host = "[" + host + "]";
+  host += ":" + std::to_string(server.port()) + "/";
+  return server.token().empty() ? host : host + "?token=" + server.token();
 }
 
-void print_address(const WebOptions& options, int port) {
-  const std::string place = place_of(options, port);
-  std::printf("Open http://%s in a browser.   Foxglove: ws://%s   Ctrl-C ends.\n", place.c_str(),
+void print_address(const WebOptions& options, const WebServer& server) {
+  const std::string place = place_of(options, server);
+  std::printf("Open http://%s in a browser.\nFoxglove: ws://%s   Ctrl-C ends.\n", place.c_str(),
               place.c_str());
+  if (server.token().empty()) {
+    std::printf("--no-token: everybody who reaches this address sees it all%s.\n",
+                is_this_computer(options.bind) || options.bind == "[::1]"
+                    ? ", every user of this computer"
+                    : "");
+  }
   std::fflush(stdout);
 }
 
@@ -33,7 +45,7 @@ LivePage::LivePage(const WebOptions& options, std::vector<RobotAddress> robots)
     : options_(options),
       state_(1, write_jpeg),
       live_(state_, std::move(robots),
-            [this](std::size_t robot, const json& line, std::string_view text, Time now) {
+            [this](std::size_t robot, const TelemetryLine& line, std::string_view text, Time now) {
               state_.read([&](const std::vector<RobotState>& states) {
                 history_.note(robot, states[robot], line, text, now);
               });
@@ -53,7 +65,7 @@ Result<std::unique_ptr<LivePage>> LivePage::start(const WebOptions& options,
   });
   if (!server.ok()) return server.error();
   page->server_ = std::move(*server);
-  print_address(options, page->server_->port());
+  print_address(options, *page->server_);
   return page;
 }
 
@@ -63,7 +75,7 @@ void LivePage::end(const std::string& why) {
 }
 
 std::string LivePage::address() const {
-  return "http://" + place_of(options_, server_->port());
+  return "http://" + place_of(options_, *server_);
 }
 
 void LivePage::turn(Duration wait, int wake_fd) {
@@ -75,22 +87,29 @@ void LivePage::turn(Duration wait, int wake_fd) {
   const Time now = monotonic_now();
   look_back_.turn(now - before_);
   before_ = now;
+  process_log().drain(now);
 }
 
 Status serve_replay(const WebOptions& options, Timeline timeline, Signals& signals) {
   FleetState state;
+  const std::size_t player_refused = timeline.refused;
   Player player(state, std::move(timeline));
   const auto server = WebServer::start(options, state, [&](const json& request) {
-    if (request.contains("control")) player.control(request["control"]);
+    player.control(member(request, "control"));
     return state.answer(request);
   });
   if (!server.ok()) return server.error();
-  print_address(options, (*server)->port());
+  print_address(options, **server);
+  if (player_refused > 0) {
+    log_line(LogLevel::kWarning, "%zu lines of the timeline were no telemetry and are left out",
+             player_refused);
+  }
   Time before = monotonic_now();
   while (signals.wait(kSlice) != SignalRequest::kStop) {
     const Time now = monotonic_now();
     player.play(now - before);
     before = now;
+    process_log().drain(now);
   }
   return {};
 }

@@ -26,7 +26,7 @@ class LivePage {
   void turn(Duration wait, int wake_fd);
   // Robots are no longer listened to: the page says why, and one may look back.
   void end(const std::string& why);
-  // "http://127.0.0.1:8765"
+  // "http://127.0.0.1:8765/?token=0123456789abcdef"
   std::string address() const;
 
  private:

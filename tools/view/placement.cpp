@@ -10,17 +10,16 @@ struct Edge {
 };
 
 std::vector<Edge> merges(const std::vector<RobotState>& robots) {
-  constexpr std::string_view kAlignment = "alignment/";
   std::vector<Edge> edges;
   for (const RobotState& robot : robots) {
     for (const auto& [key, line] : robot.lines()) {
-      if (key.compare(0, kAlignment.size(), kAlignment) != 0) continue;
-      const auto& pose = line.value("pose", nlohmann::json::array());
-      if (line.value("state", "") != "merged" || pose.size() != 3) continue;
-      std::string peer = key.substr(kAlignment.size());
+      const auto* alignment = line.as<AlignmentLine>();
+      if (alignment == nullptr || alignment->state != "merged" || !alignment->pose) continue;
+      std::string peer = alignment->name;
       if (peer == kEarlierSession) continue;
       if (peer == kPastSelf) peer = robot.name() + " " + peer;
-      edges.push_back({robot.name(), std::move(peer), {pose[0], pose[1], pose[2]}});
+      const auto& [x, y, theta] = *alignment->pose;
+      edges.push_back({robot.name(), std::move(peer), {x, y, theta}});
     }
   }
   return edges;

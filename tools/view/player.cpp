@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "tools/view/bounded_json.h"
+
 namespace zenith::tools {
 namespace {
 
@@ -30,15 +32,14 @@ void Player::play(Duration elapsed) {
 
 void Player::control(const json& asked) {
   const std::lock_guard lock(mutex_);
-  if (!asked.is_object()) return;
-  if (asked.contains("speed") && asked["speed"].is_number()) {
-    speed_ = std::clamp(asked["speed"].get<double>(), kSlowest, kFastest);
+  if (const auto speed = read_number(member(asked, "speed"))) {
+    speed_ = std::clamp(*speed, kSlowest, kFastest);
   }
-  if (asked.contains("seek") && asked["seek"].is_number()) {
-    seek(std::clamp(asked["seek"].get<double>(), 0.0, timeline_.duration_s));
+  if (const auto to_s = read_number(member(asked, "seek"))) {
+    seek(std::clamp(*to_s, 0.0, timeline_.duration_s));
   }
-  if (asked.contains("play") && asked["play"].is_boolean()) {
-    playing_ = asked["play"].get<bool>();
+  if (const auto play = read_flag(member(asked, "play"))) {
+    playing_ = *play;
     if (playing_ && position_s_ >= timeline_.duration_s) seek(0.0);
   }
   tell_clock();

@@ -1,8 +1,7 @@
 #include "tools/view/robot_state.h"
 
+#include <algorithm>
 #include <cmath>
-
-#include "platform/base/base64.h"
 
 namespace zenith::tools {
 namespace {
@@ -12,23 +11,10 @@ using nlohmann::json;
 // A point of the path for every so much way or turn.
 constexpr double kStep_m = 0.03;
 constexpr double kTurn_rad = 0.1;
-constexpr int kLargestSide = 4096;
+constexpr const char* kLimitsKey = "view";
 
-double seconds_of(const json& line) {
-  return line.value("stamp_ns", 0.0) * 1e-9;
-}
-
-bool is_numbers(const json& value, std::size_t count) {
-  if (!value.is_array() || value.size() != count) return false;
-  for (const json& number : value) {
-    if (!number.is_number()) return false;
-  }
-  return true;
-}
-
-json value_or_empty(const json& line, const char* key) {
-  const auto found = line.find(key);
-  return found == line.end() ? json() : *found;
+double seconds_of(const TelemetryLine& line) {
+  return static_cast<double>(line.stamp_ns()) * 1e-9;
 }
 
 }  // namespace
@@ -36,14 +22,14 @@ json value_or_empty(const json& line, const char* key) {
 RobotState::RobotState(std::string label, WriteJpeg write_jpeg)
     : name_(std::move(label)), write_jpeg_(write_jpeg) {}
 
-const json& RobotState::line(const std::string& key) const {
-  static const json kNone;
+const TelemetryLine& RobotState::line(const std::string& key) const {
+  static const TelemetryLine kNone;
   const auto found = lines_.find(key);
   return found == lines_.end() ? kNone : found->second;
 }
 
-void RobotState::set(const std::string& key, json value, std::uint64_t version) {
-  lines_[key] = std::move(value);
+void RobotState::set(const std::string& key, TelemetryLine line, std::uint64_t version) {
+  lines_[key] = std::move(line);
   versions_[key] = version;
 }
 
@@ -53,16 +39,19 @@ void RobotState::drop(const std::string& key, std::uint64_t version) {
 
 void RobotState::set_link(bool up, const std::string& why, std::uint64_t version) {
   up_ = up;
-  set("link", {{"up", up}, {"why", why}}, version);
+  set("link", {"link", {{"up", up}, {"why", why}}}, version);
 }
 
 void RobotState::clear(std::uint64_t version) {
-  const json link = line("link");
-  for (const auto& [key, value] : lines_) versions_[key] = version;
-  lines_.clear();
-  if (!link.is_null()) set("link", link, version);
+  std::map<std::string, TelemetryLine> kept;
+  for (auto& [key, line] : lines_) {
+    versions_[key] = version;
+    if (key == "link" || key == kLimitsKey) kept.emplace(key, std::move(line));
+  }
+  lines_ = std::move(kept);
   seconds_.clear();
   for (auto& [owner, marks] : marks_) marks = {{}, version, version};
+  mark_count_ = 0;
   landmarks_version_ = version;
   path_.clear(version);
   steps_.clear(version);
@@ -71,80 +60,104 @@ void RobotState::clear(std::uint64_t version) {
   rows_there_ = 0;
 }
 
-bool RobotState::apply(const json& line, std::uint64_t version) {
-  if (!line.is_object() || !line.contains("type") || !line["type"].is_string()) return false;
-  try {
-    const std::string type = line["type"];
-    if (type == "hello") {
-      take_hello(line, version);
-    } else if (type == "pose") {
-      take_pose(line, version);
-    } else if (type == "health") {
-      begin_second(version);
-      set(type, line, version);
-    } else if (type == "deadlines" || type == "radio") {
-      set(type, line, version);
-    } else if (type == "alignment") {
-      take_alignment(line, version);
-    } else if (type == "peer") {
-      const std::string name = line.at("name").get<std::string>();
-      if (name.empty()) return true;  // heard, but it has not told its name yet
-      const std::string key = "peer/" + name;
-      set(key, line, version);
-      seconds_[key] = second_;
-    } else if (type == "landmarks") {
-      take_landmarks(line, version);
-    } else if (type == "forgotten") {
-      marks_[line.at("peer").get<int>()] = {{}, version, version};
-      landmarks_version_ = version;
-    } else if (type == "picture") {
-      take_picture(line, version);
-    } else if (type == "strip") {
-      take_strip(line, version);
-    }
-  } catch (const json::exception&) {
-    return false;  // a key has another type than telemetry's
+bool RobotState::apply(const TelemetryLine& line, std::uint64_t version) {
+  if (const auto* hello = line.as<HelloLine>()) {
+    take_hello(line, *hello, version);
+  } else if (const auto* pose = line.as<PoseLine>()) {
+    take_pose(line, *pose, version);
+  } else if (line.as<FiguresLine>() != nullptr) {
+    if (line.type() == "health") begin_second(version);
+    set(line.type(), line, version);
+  } else if (const auto* alignment = line.as<AlignmentLine>()) {
+    take_alignment(line, *alignment, version);
+  } else if (const auto* peer = line.as<PeerLine>()) {
+    if (peer->name.empty()) return false;
+    note_peer(peer->name, version);
+    const std::string key = "peer/" + peer->name;
+    set(key, line, version);
+    seconds_[key] = second_;
+  } else if (const auto* landmarks = line.as<LandmarksLine>()) {
+    take_landmarks(*landmarks, version);
+  } else if (const auto* forgotten = line.as<ForgottenLine>()) {
+    forget_marks(forgotten->owner, version);
+  } else if (const auto* picture = line.as<PictureLine>()) {
+    take_picture(line, *picture, version);
+  } else if (const auto* strip = line.as<StripLine>()) {
+    take_strip(line, *strip, version);
   }
+  if (versions_.size() <= lines_.size() + kMostDropped) return false;
+  std::erase_if(versions_, [this](const auto& entry) { return lines_.count(entry.first) == 0; });
   return true;
 }
 
+void RobotState::count_refused(LineFault fault, std::uint64_t version) {
+  ++limits_.refused[static_cast<std::size_t>(fault)];
+  show_limits(version);
+}
+
+void RobotState::show_limits(std::uint64_t version) {
+  json refused = json::object();
+  for (std::size_t i = 0; i < kLineFaults; ++i) {
+    if (limits_.refused[i] > 0) refused[fault_name(static_cast<LineFault>(i))] = limits_.refused[i];
+  }
+  set(kLimitsKey,
+      {kLimitsKey,
+       {{"refused_lines", refused},
+        {"full",
+         {{"peers_evicted", limits_.peers_evicted},
+          {"landmarks_refused", limits_.landmarks_refused}}}}},
+      version);
+}
+
 // A daemon that began anew has another start frame.
-void RobotState::take_hello(const json& line, std::uint64_t version) {
-  const json& before = this->line("hello");
-  const bool same = before.is_object() &&
-                    value_or_empty(before, "started_ns") == value_or_empty(line, "started_ns");
-  if (!same) clear(version);
+void RobotState::take_hello(const TelemetryLine& line, const HelloLine& hello,
+                            std::uint64_t version) {
+  const auto* before = this->line("hello").as<HelloLine>();
+  if (before == nullptr || before->started_ns != hello.started_ns) clear(version);
   // What was removed meanwhile nobody told: the maps come again.
   for (auto& [owner, marks] : marks_) marks = {{}, version, version};
+  mark_count_ = 0;
   landmarks_version_ = version;
-  name_ = line.at("robot").get<std::string>();
+  name_ = hello.robot;
   set("hello", line, version);
 }
 
-void RobotState::take_pose(const json& line, std::uint64_t version) {
-  const json& pose = line.at("pose");
-  if (!is_numbers(pose, 3)) return;
-  const Series<3>::Point point = {pose[0], pose[1], pose[2]};
+void RobotState::take_pose(const TelemetryLine& line, const PoseLine& pose, std::uint64_t version) {
+  const Series<3>::Point& point = pose.pose;
   if (path_.empty() ||
       std::hypot(point[0] - path_.back()[0], point[1] - path_.back()[1]) > kStep_m ||
       std::abs(point[2] - path_.back()[2]) > kTurn_rad) {
     path_.add(point, version);
   }
-  if (line.contains("step_ms") && line["step_ms"].is_number()) {
-    steps_.add({seconds_of(line), line["step_ms"].get<double>()}, version);
-  }
+  if (pose.step_ms) steps_.add({seconds_of(line), *pose.step_ms}, version);
   set("pose", line, version);
 }
 
-void RobotState::take_alignment(const json& line, std::uint64_t version) {
-  const std::string peer = line.at("name").get<std::string>();
-  const std::string key = "alignment/" + peer;
+void RobotState::take_alignment(const TelemetryLine& line, const AlignmentLine& alignment,
+                                std::uint64_t version) {
+  note_peer(alignment.name, version);
+  const std::string key = "alignment/" + alignment.name;
   set(key, line, version);
   seconds_[key] = second_;
-  const auto curve = confidence_.try_emplace(peer, kCurvePoints).first;
-  if (value_or_empty(line, "confidence").is_number()) {
-    curve->second.add({seconds_of(line), line["confidence"].get<double>()}, version);
+  const auto curve = confidence_.try_emplace(alignment.name, kCurvePoints).first;
+  if (alignment.confidence) curve->second.add({seconds_of(line), *alignment.confidence}, version);
+}
+
+// Who was not told of for the longest time makes room for a new name.
+void RobotState::note_peer(const std::string& name, std::uint64_t version) {
+  peers_[name] = version;
+  if (peers_.size() <= kMostPeers) return;
+  const auto oldest =
+      std::min_element(peers_.begin(), peers_.end(),
+                       [](const auto& a, const auto& b) { return a.second < b.second; });
+  for (const char* kind : {"peer/", "alignment/"}) {
+    drop(kind + oldest->first, version);
+    seconds_.erase(kind + oldest->first);
   }
+  if (confidence_.erase(oldest->first) > 0) versions_["confidence/" + oldest->first] = version;
+  peers_.erase(oldest);
+  ++limits_.peers_evicted;
+  show_limits(version);
 }
 
 // `health` begins the lines of a second: an alignment or peer that the last one did not have is no
@@ -161,57 +174,85 @@ void RobotState::begin_second(std::uint64_t version) {
   ++second_;
 }
 
-void RobotState::take_landmarks(const json& line, std::uint64_t version) {
-  Marks& marks = marks_[line.at("peer").get<int>()];
+void RobotState::take_landmarks(const LandmarksLine& landmarks, std::uint64_t version) {
+  const std::size_t more = landmarks.rows.size() + landmarks.gone.size();
+  if (mark_count_ + more > kMostMarks) drop_gone_marks(version);
+  Marks& marks = marks_[landmarks.owner];
   marks.changed = version;
-  const json& rows = line.at("rows");
-  for (std::size_t i = 0; i + kRowNumbers <= rows.size(); i += kRowNumbers) {
-    Mark mark;
-    mark.version = version;
-    for (std::size_t k = 0; k < kRowNumbers; ++k) mark.row[k] = rows[i + k].get<double>();
-    marks.by_id[rows[i].get<std::uint32_t>()] = mark;
+  landmarks_version_ = version;
+  const std::uint64_t refused = limits_.landmarks_refused;
+  const auto at = [&](std::uint32_t id) -> Mark* {
+    const auto found = marks.by_id.find(id);
+    if (found != marks.by_id.end()) return &found->second;
+    if (mark_count_ >= kMostMarks) return nullptr;
+    ++mark_count_;
+    return &marks.by_id[id];
+  };
+  for (const Row& row : landmarks.rows) {
+    Mark* mark = at(static_cast<std::uint32_t>(row[0]));
+    if (mark == nullptr) {
+      ++limits_.landmarks_refused;
+    } else {
+      *mark = {row, false, version};
+    }
   }
-  for (const json& id : line.at("gone")) {
-    Mark& mark = marks.by_id[id.get<std::uint32_t>()];
-    mark.gone = true;
-    mark.version = version;
+  for (const std::uint32_t id : landmarks.gone) {
+    Mark* mark = at(id);
+    if (mark == nullptr) continue;
+    mark->gone = true;
+    mark->version = version;
   }
+  if (limits_.landmarks_refused != refused) show_limits(version);
+}
+
+// Pages get what stays anew.
+void RobotState::drop_gone_marks(std::uint64_t version) {
+  for (auto& [owner, marks] : marks_) {
+    const std::size_t dropped =
+        std::erase_if(marks.by_id, [](const auto& entry) { return entry.second.gone; });
+    if (dropped == 0) continue;
+    mark_count_ -= dropped;
+    marks.begun = version;
+    for (auto& [id, mark] : marks.by_id) mark.version = version;
+  }
+}
+
+void RobotState::forget_marks(int owner, std::uint64_t version) {
+  Marks& marks = marks_[owner];
+  mark_count_ -= marks.by_id.size();
+  marks = {{}, version, version};
   landmarks_version_ = version;
 }
 
-// A replay's picture is compressed; a daemon's comes in strips.
-void RobotState::take_picture(const json& line, std::uint64_t version) {
-  const int width = line.at("width").get<int>();
-  const int height = line.at("height").get<int>();
-  if (width < 1 || height < 1 || width > kLargestSide || height > kLargestSide) return;
+void RobotState::take_picture(const TelemetryLine& line, const PictureLine& picture,
+                              std::uint64_t version) {
   picture_line_ = line;
-  grey_.assign(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), 0);
+  picture_size_ = {picture.width, picture.height, std::nullopt};
+  grey_.assign(static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(picture.height),
+               0);
   rows_there_ = 0;
-  if (!line.contains("jpeg")) return;
-  const auto jpeg = read_base64(line["jpeg"].get<std::string>());
-  if (!jpeg) return;
-  picture_line_.erase("jpeg");
-  picture_ = {version, picture_line_, *jpeg};
+  if (picture.jpeg) picture_ = {version, line.shown(), *picture.jpeg};
 }
 
-void RobotState::take_strip(const json& line, std::uint64_t version) {
-  if (write_jpeg_ == nullptr || !picture_line_.is_object() ||
-      line.at("stamp_ns") != picture_line_.at("stamp_ns")) {
+void RobotState::take_strip(const TelemetryLine& line, const StripLine& strip,
+                            std::uint64_t version) {
+  if (write_jpeg_ == nullptr || picture_line_.empty() ||
+      line.stamp_ns() != picture_line_.stamp_ns()) {
     return;
   }
-  const auto bytes = read_base64(line.at("grey").get<std::string>());
-  const int width = picture_line_.at("width").get<int>();
-  const int height = picture_line_.at("height").get<int>();
-  const int row = line.at("first_row").get<int>();
-  if (!bytes || row != rows_there_ || bytes->size() % static_cast<std::size_t>(width) != 0) return;
-  const int rows = static_cast<int>(bytes->size()) / width;
-  if (rows < 1 || row + rows > height) return;
-  std::copy(bytes->begin(), bytes->end(), grey_.begin() + static_cast<std::ptrdiff_t>(row) * width);
-  rows_there_ += rows;
+  const int width = picture_size_.width;
+  const int height = picture_size_.height;
+  if (strip.first_row != rows_there_) return;
+  if (strip.grey.size() % static_cast<std::size_t>(width) != 0) return;
+  const std::size_t rows = strip.grey.size() / static_cast<std::size_t>(width);
+  if (rows < 1 || rows > static_cast<std::size_t>(height - rows_there_)) return;
+  std::copy(strip.grey.begin(), strip.grey.end(),
+            grey_.begin() + static_cast<std::ptrdiff_t>(rows_there_) * width);
+  rows_there_ += static_cast<int>(rows);
   if (rows_there_ < height) return;
   RobotPicture whole;
   whole.serial = version;
-  whole.told = picture_line_;
+  whole.told = picture_line_.shown();
   whole.jpeg = write_jpeg_(width, height, grey_);
   picture_ = std::move(whole);
 }
@@ -226,26 +267,26 @@ std::vector<RobotState::Row> RobotState::landmarks(int owner) const {
   return rows;
 }
 
-std::vector<json> RobotState::as_lines() const {
-  std::vector<json> lines;
+std::vector<TelemetryLine> RobotState::as_lines() const {
+  std::vector<TelemetryLine> lines;
   const auto add = [&](const std::string& key) {
     if (lines_.count(key) != 0) lines.push_back(lines_.at(key));
   };
   add("hello");
   for (std::size_t i = 0; i < path_.size(); ++i) {
-    lines.push_back({{"type", "pose"}, {"pose", path_[i]}});
+    PoseLine pose;
+    pose.pose = path_[i];
+    lines.emplace_back("pose", json{{"type", "pose"}, {"pose", path_[i]}}, pose);
   }
   add("health");  // begins the lines of a second
   for (const auto& [key, line] : lines_) {
-    if (key != "hello" && key != "health" && key != "link") lines.push_back(line);
+    if (key != "hello" && key != "health" && key != "link" && key != kLimitsKey) {
+      lines.push_back(line);
+    }
   }
   for (const auto& [owner, marks] : marks_) {
-    json rows = json::array();
-    for (const Row& row : landmarks(owner)) {
-      for (const double number : row) rows.push_back(number);
-    }
-    lines.push_back(
-        {{"type", "landmarks"}, {"peer", owner}, {"rows", rows}, {"gone", json::array()}});
+    lines.emplace_back("landmarks", json{{"type", "landmarks"}, {"peer", owner}},
+                       LandmarksLine{owner, landmarks(owner), {}});
   }
   return lines;
 }
@@ -263,7 +304,7 @@ json RobotState::changes(std::uint64_t version) const {
     if (found == lines_.end()) {
       out["drop"].push_back(key);
     } else {
-      out["set"][key] = found->second;
+      out["set"][key] = found->second.shown();
     }
   }
   if (landmarks_version_ > version) {

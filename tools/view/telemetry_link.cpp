@@ -7,13 +7,13 @@
 
 #include "platform/linux/errno_text.h"
 #include "platform/linux/local_socket.h"
+#include "tools/view/telemetry_line.h"
 
 namespace zenith::tools {
 namespace {
 
 constexpr Duration kTryAgain = {1'000'000'000};
 constexpr const char* kUsualSocket = "telemetry.sock";
-constexpr std::size_t kLongestLine = std::size_t{1} << 20U;
 constexpr std::string_view kSsh = "ssh:";
 
 }  // namespace
@@ -44,6 +44,20 @@ Result<RobotAddress> parse_robot_address(const std::string& text) {
     address.paths = runtime_paths(kUsualSocket);
   }
   return address;
+}
+
+Result<std::vector<RobotAddress>> parse_robot_addresses(const std::vector<std::string>& texts) {
+  if (texts.size() > kMostRobots) {
+    return Error{"expected at most " + std::to_string(kMostRobots) + " robots, found " +
+                 std::to_string(texts.size())};
+  }
+  std::vector<RobotAddress> robots;
+  for (const std::string& text : texts) {
+    auto address = parse_robot_address(text);
+    if (!address) return address.error();
+    robots.push_back(std::move(*address));
+  }
+  return robots;
 }
 
 TelemetryLink::TelemetryLink(RobotAddress address)

@@ -25,6 +25,8 @@ struct RobotAddress {
   std::string text;                // as it was given
 };
 Result<RobotAddress> parse_robot_address(const std::string& text);
+// At most kMostRobots.
+Result<std::vector<RobotAddress>> parse_robot_addresses(const std::vector<std::string>& texts);
 
 class TelemetryLink {
  public:

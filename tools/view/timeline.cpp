@@ -1,12 +1,19 @@
 #include "tools/view/timeline.h"
 
+#include <cstdio>
 #include <fstream>
 #include <map>
+
+#include "tools/view/bounded_json.h"
 
 namespace zenith::tools {
 namespace {
 
 using nlohmann::json;
+
+constexpr JsonLimits kEntryLimits = {kLongestLine + 256, 7, 65536};
+constexpr double kLongest_s = 1e8;  // three years
+constexpr std::size_t kMostMarks = 2000;
 
 Error wrong(const std::filesystem::path& file, std::size_t number, const char* what) {
   return Error{file.string() + ":" + std::to_string(number) + ": expected " + what +
@@ -15,10 +22,11 @@ Error wrong(const std::filesystem::path& file, std::size_t number, const char* w
 
 void note_mark(Timeline& timeline, const Timeline::Entry& entry,
                std::map<std::string, std::string>& states) {
-  if (entry.line.value("type", "") != "alignment") return;
+  const auto* alignment = entry.line.as<AlignmentLine>();
+  if (alignment == nullptr || timeline.marks.size() >= kMostMarks) return;
   const std::string& robot = timeline.robots[entry.robot];
-  const std::string peer = entry.line.value("name", "?");
-  const std::string state = entry.line.value("state", "");
+  const std::string& peer = alignment->name;
+  const std::string& state = alignment->state;
   std::string& before = states[robot + "/" + peer];
   if (state == "merged" && before != "merged") {
     timeline.marks.push_back({entry.t_s, robot + " joins " + peer + "'s map"});
@@ -26,6 +34,47 @@ void note_mark(Timeline& timeline, const Timeline::Entry& entry,
     timeline.marks.push_back({entry.t_s, robot + " withdraws from " + peer + "'s map"});
   }
   before = state;
+}
+
+// Longer lines end at the bound: they are then no JSON.
+bool next_line(std::istream& in, std::string& line) {
+  line.clear();
+  std::streambuf* bytes = in.rdbuf();
+  for (int c = bytes->sbumpc(); c != EOF; c = bytes->sbumpc()) {
+    if (c == '\n') return true;
+    if (line.size() > kEntryLimits.bytes) return true;
+    line += static_cast<char>(c);
+  }
+  return !line.empty();
+}
+
+// What was expected instead; null when it is right.
+const char* take_first(Timeline& timeline, const json& line) {
+  if (read_integer(member(line, "timeline"), 1, 1) != 1) return "timeline version 1";
+  const json& names = member(line, "robots");
+  const char* expected = "the names of 1 to 64 robots";
+  if (!names.is_array() || names.empty() || names.size() > kMostRobots) return expected;
+  for (const json& entry : names) {
+    auto name = read_text(entry, kLongestName);
+    if (!name) return expected;
+    timeline.robots.push_back(std::move(*name));
+  }
+  return nullptr;
+}
+
+const char* take_entry(Timeline& timeline, json line) {
+  const auto t_s = read_number(member(line, "t_s"), 0.0, kLongest_s);
+  const auto robot = read_integer(member(line, "robot"), 0, kMostRobots);
+  if (!t_s || !robot || !line.contains("line")) return "the keys t_s, robot and line";
+  if (static_cast<std::size_t>(*robot) >= timeline.robots.size()) return "a robot of line 1";
+  if (!timeline.entries.empty() && *t_s < timeline.entries.back().t_s) return "rising times";
+  DecodedLine decoded = decode_telemetry_json(std::move(line["line"]));
+  if (!decoded.line) {
+    ++timeline.refused;
+    return nullptr;
+  }
+  timeline.entries.push_back({*t_s, static_cast<std::size_t>(*robot), std::move(*decoded.line)});
+  return nullptr;
 }
 
 }  // namespace
@@ -37,32 +86,26 @@ void find_marks(Timeline& timeline) {
 }
 
 Result<Timeline> read_timeline(const std::filesystem::path& file) {
-  std::ifstream in(file);
-  if (!in) {
+  std::error_code unreadable;
+  const auto size = std::filesystem::file_size(file, unreadable);
+  std::ifstream in;
+  if (!unreadable && std::filesystem::is_regular_file(file, unreadable)) in.open(file);
+  if (!in.is_open()) {
     return Error{file.string() +
                  ": missing; expected the output folder of `zenith replay` or `zenith demo`"};
   }
+  if (size > kMostTimelineBytes) {
+    return Error{file.string() + ": expected at most " + std::to_string(kMostTimelineBytes) +
+                 " bytes, found " + std::to_string(size) + "; replay a shorter piece"};
+  }
   Timeline timeline;
   std::string text;
-  for (std::size_t number = 1; std::getline(in, text); ++number) {
-    json line = json::parse(text, nullptr, false);
-    if (!line.is_object()) return wrong(file, number, "a JSON object");
-    try {
-      if (number == 1) {
-        if (line.at("timeline").get<int>() != 1) return wrong(file, 1, "timeline version 1");
-        timeline.robots = line.at("robots").get<std::vector<std::string>>();
-        continue;
-      }
-      Timeline::Entry entry = {line.at("t_s").get<double>(), line.at("robot").get<std::size_t>(),
-                               std::move(line.at("line"))};
-      if (entry.robot >= timeline.robots.size()) return wrong(file, number, "a robot of line 1");
-      if (!timeline.entries.empty() && entry.t_s < timeline.entries.back().t_s) {
-        return wrong(file, number, "rising times");
-      }
-      timeline.entries.push_back(std::move(entry));
-    } catch (const json::exception&) {
-      return wrong(file, number, "the keys t_s, robot and line");
-    }
+  for (std::size_t number = 1; next_line(in, text); ++number) {
+    json line = parse_bounded(text, kEntryLimits).value;
+    if (!line.is_object()) return wrong(file, number, "a JSON object of at most 1 MB");
+    const char* expected =
+        number == 1 ? take_first(timeline, line) : take_entry(timeline, std::move(line));
+    if (expected != nullptr) return wrong(file, number, expected);
   }
   if (timeline.robots.empty()) return wrong(file, 1, "a line that names the robots");
   if (!timeline.entries.empty()) timeline.duration_s = timeline.entries.back().t_s;

@@ -11,9 +11,8 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "platform/base/result.h"
+#include "tools/view/telemetry_line.h"
 
 namespace zenith::tools {
 
@@ -23,7 +22,7 @@ struct Timeline {
   struct Entry {
     double t_s = 0.0;
     std::size_t robot = 0;
-    nlohmann::json line;
+    TelemetryLine line;
   };
   // A merge, or its withdrawal.
   struct Mark {
@@ -35,11 +34,14 @@ struct Timeline {
   std::vector<Entry> entries;
   std::vector<Mark> marks;
   double duration_s = 0.0;
+  std::size_t refused = 0;  // entries whose line is none of telemetry's: left out
 };
 
 // Its merges and withdrawals, from the entries.
 void find_marks(Timeline& timeline);
 
+// A regular file of at most kMostTimelineBytes.
+inline constexpr std::uintmax_t kMostTimelineBytes = std::uintmax_t{512} << 20U;
 Result<Timeline> read_timeline(const std::filesystem::path& file);
 
 }  // namespace zenith::tools

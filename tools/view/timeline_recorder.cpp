@@ -46,9 +46,10 @@ class Writer {
 };
 
 void take(Recorded& robot, std::string_view text, Time now, Writer& writer) {
-  const json line = json::parse(text, nullptr, false);
-  if (!line.is_object() || !robot.state.apply(line, ++robot.version)) return;
-  const std::string kept = robot.kept.take(robot.state, line, text, now);
+  const DecodedLine decoded = decode_telemetry(text);
+  if (!decoded.line) return;  // it is not kept
+  robot.state.apply(*decoded.line, ++robot.version);
+  const std::string kept = robot.kept.take(robot.state, *decoded.line, text, now);
   if (!kept.empty()) writer.put(robot.number, now, kept);
 }
 

@@ -1,41 +1,51 @@
 #pragma once
-// The page of `zenith view`: HTTP and WebSocket by civetweb, a small server in C that Debian ships
-// and maintains, linked with the C library alone.
+// The page of `zenith view`: HTTP and WebSocket, answered by one thread.
 //
 //   /                 the page; its files are part of the program (web/)
 //   /live             a WebSocket: each text is a request, each answer a state (docs/view.md)
 //   /metrics          for Prometheus (metrics.h)
-//   / as a WebSocket  Foxglove's protocol (foxglove_server.h)
+//   / as a WebSocket  Foxglove's protocol (foxglove_session.h)
 //
-// civetweb answers in threads of its own. Pages of other web sites are turned away: a request that
-// tells another origin, and, on this computer's own address, another host.
+// Who may read: web_access.h. What one connection may do: web_connection.h. Here: how many there
+// may be. A new connection always gets its turn: when there are too many, the oldest one that has
+// not asked yet goes.
 
+#include <array>
+#include <atomic>
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <nlohmann/json.hpp>
 
 #include "platform/base/result.h"
+#include "platform/linux/unique_fd.h"
 #include "tools/view/fleet_state.h"
-
-struct mg_connection;
-struct mg_context;
+#include "tools/view/web_access.h"
+#include "tools/view/web_connection.h"
 
 namespace zenith::tools {
 
-class FoxgloveServer;
-
 struct WebOptions {
-  std::string bind = "127.0.0.1";
+  std::string bind = "127.0.0.1";    // an address of IPv4 or IPv6, also in brackets
   int port = 8765;                   // 0: any that is free
   std::vector<std::string> origins;  // of other pages that may read: "https://example.org"
+  std::vector<std::string> hosts;    // names of this computer by which it may be asked
+  std::string token_file;            // empty: a new token at each start
+  bool no_token = false;
 };
 
 class WebServer {
  public:
-  // What a page that says `request` gets (docs/view.md); called in any thread.
+  static constexpr std::size_t kConnections = 64;
+  static constexpr std::size_t kOfOneAddress = 32;
+  static constexpr std::size_t kPages = 16;   // WebSockets at /live
+  static constexpr std::size_t kViewers = 8;  // of Foxglove's protocol
+
+  // What a page that says `request` gets (docs/view.md); called in the server's thread.
   using Answer = std::function<nlohmann::json(const nlohmann::json& request)>;
 
   // `state` must outlive it: metrics and Foxglove's protocol are made of it.
@@ -46,23 +56,45 @@ class WebServer {
   WebServer& operator=(const WebServer&) = delete;
 
   int port() const { return port_; }
+  // Empty with --no-token.
+  const std::string& token() const { return rules_.token; }
 
  private:
-  WebServer(const WebOptions& options, FleetState& state, Answer answer);
-  bool welcome(const mg_connection* connection) const;
-  int serve(mg_connection* connection) const;
-  bool reply(mg_connection* connection, const std::string& request) const;
+  enum class Told { kEvicted, kRefused, kSlow, kTooLong, kMalformed, kForeign };
+  static constexpr std::size_t kTold = 6;
 
-  static int on_request(mg_connection* connection, void* self);
-  static int on_connect(const mg_connection* connection, void* self);
-  static int on_data(mg_connection* connection, int bits, char* data, std::size_t size, void* self);
+  struct Client {
+    UniqueFd fd;
+    std::string address;  // of IPv6 the network's half
+    std::unique_ptr<WebConnection> connection;
+  };
 
-  WebOptions options_;
+  WebServer(FleetState& state, Answer answer);
+  Status listen(const WebOptions& options);
+  void run();
+  void welcome(Time now);
+  bool make_room(const std::string& address);
+  void serve(Client& client, bool readable, Time now);
+  void remove_ended();
+  void count(Told what);
+  std::string own_metrics() const;
+
+  WebReply route(const HttpHead& head);
+  WebReply get(const HttpHead& head) const;
+  WebReply upgrade(const HttpHead& head);
+
   FleetState& state_;
-  Answer answer_;
-  std::unique_ptr<FoxgloveServer> foxglove_;
-  mg_context* context_ = nullptr;
+  const Answer answer_;
+  AccessRules rules_;
+  UniqueFd listener_;
   int port_ = 0;
+  const WebRouter router_;
+  std::size_t pages_ = 0;  // open WebSockets
+  std::size_t viewers_ = 0;
+  std::vector<Client> clients_;
+  std::array<std::uint64_t, kTold> told_ = {};
+  std::atomic<bool> stop_ = false;
+  std::thread thread_;
 };
 
 }  // namespace zenith::tools

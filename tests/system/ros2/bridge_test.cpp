@@ -206,7 +206,7 @@ TEST_F(BridgeRig, ARobotThatLeavesIsStaleAndGoesOnWhenItIsBack) {
 TEST_F(BridgeRig, SeveralRobotsHaveTheirNamesAndOneTreeOfMaps) {
   ASSERT_TRUE(start(2));
   robot(0).say(hello_line("anna"));
-  robot(1).say(hello_line("bert-2"));
+  robot(1).say(hello_line("bert_2"));
   const auto odom = listener_->subscribe("rt/bert_2/odom", kOdometry);
   const auto tf = listener_->subscribe("rt/tf", kTransforms, {100});
   const auto fixed = listener_->subscribe("rt/tf_static", kTransforms, {100, true});

@@ -28,8 +28,10 @@ class ToldDaemon {
       return reader_.is_open();
     });
   }
-  void say(const nlohmann::json& line) {
-    const std::string text = line.dump() + "\n";
+  void say(const nlohmann::json& line) { say_text(line.dump()); }
+  // As it is, with an end of line.
+  void say_text(const std::string& line) {
+    const std::string text = line + "\n";
     (void)::send(reader_.get(), text.data(), text.size(), MSG_NOSIGNAL);
   }
   void leave() {

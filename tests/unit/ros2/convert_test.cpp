@@ -5,10 +5,12 @@
 #include <cmath>
 #include <cstring>
 #include <numbers>
+#include <set>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/unit/tools/told_line.h"
 #include "tools/ros2/landmark_cloud.h"
 #include "tools/ros2/names.h"
 
@@ -16,6 +18,7 @@ namespace zenith::ros2 {
 namespace {
 
 using nlohmann::json;
+using tools::told;
 
 TEST(Ros2Convert, AYawIsAQuaternionAboutZ) {
   for (const double yaw : {-3.1, -0.5, 0.0, 0.7, 3.0}) {
@@ -59,7 +62,7 @@ json pose_line() {
 }
 
 TEST(Ros2Motion, MapToOdomToBaseIsTheRobotInTheMap) {
-  const auto motion = read_motion(pose_line(), 1'000'000'000'000'000'000);
+  const auto motion = read_motion(told(pose_line()), 1'000'000'000'000'000'000);
   ASSERT_TRUE(motion);
   EXPECT_EQ(motion->system_ns, 1'000'000'005'000'000'007);
   const Pose2 chained = motion->T_map_odom() * motion->T_odom_base;
@@ -70,27 +73,70 @@ TEST(Ros2Motion, MapToOdomToBaseIsTheRobotInTheMap) {
   EXPECT_EQ(motion->odom_covariance[5], 1.0);
 }
 
+bool is_motion(const json& line) {
+  const auto decoded = tools::decode_telemetry(line.dump());
+  return decoded.line && read_motion(*decoded.line, 1);
+}
+
 TEST(Ros2Motion, IsNothingWithoutAllNumbers) {
   for (const char* key : {"stamp_ns", "pose", "covariance", "odometry"}) {
     json line = pose_line();
     line.erase(key);
-    EXPECT_FALSE(read_motion(line, 1)) << key;
+    EXPECT_FALSE(is_motion(line)) << key;
   }
   for (const char* key : {"pose", "covariance", "velocity", "velocity_covariance"}) {
     json line = pose_line();
     line["odometry"][key][0] = nullptr;  // what telemetry makes of "not a number"
-    EXPECT_FALSE(read_motion(line, 1)) << key;
+    EXPECT_FALSE(is_motion(line)) << key;
   }
-  EXPECT_FALSE(read_motion(json::array(), 1));
+  EXPECT_FALSE(is_motion(json::array()));
+  EXPECT_TRUE(is_motion(pose_line()));
+  json late = pose_line();
+  late["stamp_ns"] = 4'000'000'000'000'000'000;
+  EXPECT_FALSE(is_motion(late)) << "ROS 2's seconds end in 2038";
 }
 
 TEST(Ros2Names, AreThoseThatRos2Allows) {
   EXPECT_EQ(ros_name("anna"), "anna");
-  EXPECT_EQ(ros_name("robot-7 (old)"), "robot_7_old_");
-  EXPECT_EQ(ros_name("a__b"), "a_b");
-  EXPECT_EQ(ros_name("7up"), "r7up");
-  EXPECT_EQ(ros_name(""), "robot");
-  EXPECT_EQ(ros_name("\u00e4"), "_");
+  EXPECT_EQ(ros_name("anna_2"), "anna_2");
+  EXPECT_EQ(ros_name("past self"), "past_self");
+  EXPECT_EQ(ros_name("anna past self"), "anna_past_self");
+  for (const char* name : {"robot-7 (old)", "a__b", "7up", "", "\u00e4", "/", "a b"}) {
+    const std::string made = ros_name(name);
+    EXPECT_THAT(made, testing::MatchesRegex("[A-Za-z_][A-Za-z0-9_]*_[0-9a-f]{8}")) << name;
+    EXPECT_THAT(made, testing::Not(testing::HasSubstr("__")));
+    EXPECT_EQ(made, ros_name(name)) << "the same each time";
+  }
+  EXPECT_EQ(ros_name("robot-7"), "robot_7_3279df1e");
+}
+
+TEST(Ros2Names, NamesThatDifferStayApart) {
+  const std::string hashed = ros_name("a-1");
+  std::set<std::string> made;
+  const std::vector<std::string> names = {"a_1",
+                                          "a-1",
+                                          "a 1",
+                                          "a.1",
+                                          "a/1",
+                                          "a__1",
+                                          "\u00e4",
+                                          "\u00f6",
+                                          "\u4e00",
+                                          "\u4e8c",
+                                          "1",
+                                          "r1",
+                                          "past self",
+                                          "past_self",
+                                          "_",
+                                          "",
+                                          "anna past self",
+                                          "anna_past_self",
+                                          hashed,
+                                          "a-1 past self",
+                                          "A_1"};
+  for (const std::string& name : names) {
+    EXPECT_TRUE(made.insert(ros_name(name)).second) << name << " shares " << ros_name(name);
+  }
 }
 
 TEST(Ros2Names, HaveThePrefixesOfRos2AndOfTheRobot) {
@@ -98,11 +144,12 @@ TEST(Ros2Names, HaveThePrefixesOfRos2AndOfTheRobot) {
   EXPECT_EQ(alone.topic("odom"), "rt/odom");
   EXPECT_EQ(alone.map(), "map");
   EXPECT_EQ(alone.map_of("bert"), "bert/map");
+  const std::string anna = ros_name("anna-1");
   const RobotNames one("anna-1", {"earth", "wheels", "base_footprint"}, true);
-  EXPECT_EQ(one.topic("odom"), "rt/anna_1/odom");
-  EXPECT_EQ(one.map(), "anna_1/earth");
-  EXPECT_EQ(one.odom(), "anna_1/wheels");
-  EXPECT_EQ(one.base(), "anna_1/base_footprint");
+  EXPECT_EQ(one.topic("odom"), "rt/" + anna + "/odom");
+  EXPECT_EQ(one.map(), anna + "/earth");
+  EXPECT_EQ(one.odom(), anna + "/wheels");
+  EXPECT_EQ(one.base(), anna + "/base_footprint");
   EXPECT_EQ(one.map_of("anna-1"), one.map());
 }
 

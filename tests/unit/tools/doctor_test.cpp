@@ -536,5 +536,21 @@ TEST_F(DoctorTest, TheDaemonsTelemetry) {
   EXPECT_THAT(with("mapping", "true", 10, 1)[3], Says(Verdict::kWarn, "too slow"));
 }
 
+TEST_F(DoctorTest, TelemetryOfWrongTypesEndsNothing) {
+  DaemonFacts facts;
+  facts.running = true;
+  facts.lines = {R"({"type":5})",
+                 R"({"type":"hello","robot":7})",
+                 R"({"type":"hello","robot":"\u001b[2J"})",
+                 R"({"type":"health","state":[],"camera":7})",
+                 R"({"type":"health","state":"mapping","camera":{"up":"x"}})",
+                 R"({"type":"radio","enabled":"x","udp":[]})",
+                 std::string(100'000, '[')};
+  EXPECT_THAT(check_daemon(facts).at(0), Says(Verdict::kFail, "says nothing"));
+  facts.lines.push_back(R"({"type":"health","state":"mapping"})");
+  facts.lines.push_back(R"({"type":"radio","enabled":{},"open":7})");
+  EXPECT_THAT(check_daemon(facts).at(1), Says(Verdict::kOk, "mapping"));
+}
+
 }  // namespace
 }  // namespace zenith::tools

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/unit/tools/told_line.h"
 #include "tools/view/live.h"
 #include "tools/view/look_back.h"
 
@@ -21,9 +22,9 @@ class HistoryTest : public testing::Test {
     history_.add("anna");
   }
   void tell(const json& line, double at_s) {
-    live_.apply(0, line);
+    live_.apply(0, told(line));
     live_.read([&](const auto& robots) {
-      history_.note(0, robots[0], line, line.dump(), Time{} + Duration::from_seconds(at_s));
+      history_.note(0, robots[0], told(line), line.dump(), Time{} + Duration::from_seconds(at_s));
     });
   }
   void tell_pose(double x, double at_s) {

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "tests/unit/tools/temporary_folder.h"
+#include "tests/unit/tools/told_line.h"
 #include "tools/view/foxglove_session.h"
 #include "tools/view/metrics.h"
 #include "tools/view/player.h"
@@ -18,12 +19,12 @@ namespace {
 using nlohmann::json;
 using testing::HasSubstr;
 
-json line(const char* text) {
-  return json::parse(text);
+TelemetryLine line(const char* text) {
+  return told(json::parse(text));
 }
 
 void fill(FleetState& state, std::size_t robot, const std::string& name) {
-  state.apply(robot, {{"type", "hello"}, {"robot", name}, {"started_ns", 1}});
+  state.apply(robot, told({{"type", "hello"}, {"robot", name}, {"started_ns", 1}}));
   state.apply(robot, line(R"({"type":"pose","stamp_ns":1,"pose":[1.5,-2,0.25],"step_ms":4.5,
                               "period_ms":100,"corners":90,"effective_sample_size":null})"));
   state.apply(robot, line(R"({"type":"health","state":"mapping","camera":{"up":true,"frames":7},
@@ -194,7 +195,9 @@ class PlayerTest : public testing::Test {
   }
   double x() {
     double value = -1.0;
-    state_.read([&](const auto& robots) { value = robots[0].line("pose")["pose"][0]; });
+    state_.read([&](const auto& robots) {
+      value = robots[0].line("pose").number("/pose/0").value_or(-1.0);
+    });
     return value;
   }
   TemporaryFolder folder_;

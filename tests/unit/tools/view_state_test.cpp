@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "platform/base/base64.h"
+#include "tests/unit/tools/told_line.h"
 #include "tools/view/jpeg.h"
 #include "tools/view/placement.h"
 
@@ -53,7 +54,7 @@ json landmarks(int owner, std::vector<int> ids, std::vector<int> gone = {}) {
 class ViewState : public testing::Test {
  protected:
   ViewState() { state_.add("/tmp/a.sock"); }
-  void apply(const json& line) { state_.apply(0, line); }
+  void apply(const json& line) { state_.apply(0, told(line)); }
   // What is new since the last call.
   json news() {
     json answer = state_.answer(request_);
@@ -161,9 +162,13 @@ TEST_F(ViewState, PassesOverWhatItDoesNotKnow) {
         R"({"type":"pose","pose":[1,"x",3]})", R"({"type":"landmarks","peer":"a"})",
         R"({"type":"picture","width":1000000000,"height":1000000000,"stamp_ns":1})",
         R"({"type":"strip","stamp_ns":1,"first_row":0,"grey":"AAAA"})"}) {
-    apply(json::parse(text));
+    hear(state_, 0, text);
   }
-  EXPECT_EQ(news(), json({{"name", "anna"}}));
+  json after = news();
+  EXPECT_EQ(after["set"]["view"]["refused_lines"],
+            json({{"no_type", 1}, {"not_json", 1}, {"wrong_field", 4}}));
+  after.erase("set");
+  EXPECT_EQ(after, json({{"name", "anna"}}));
 }
 
 TEST_F(ViewState, PutsPicturesTogetherForWhoAsks) {
@@ -205,12 +210,12 @@ TEST(PlaceStarts, FollowsMergesFromTheFirstRobot) {
   std::uint64_t version = 0;
   for (const char* name : {"anna", "bert", "carl"}) {
     robots.emplace_back(name);
-    robots.back().apply(hello(name, 1), ++version);
+    robots.back().apply(told(hello(name, 1)), ++version);
   }
-  robots[0].apply(alignment("bert", "candidate", 0.4), ++version);
+  robots[0].apply(told(alignment("bert", "candidate", 0.4)), ++version);
   EXPECT_EQ(place_starts(robots).size(), 1u);
-  robots[1].apply(alignment("anna", "merged", 0.9), ++version);
-  robots[1].apply(alignment("dora", "merged", 0.9), ++version);  // tells nothing herself
+  robots[1].apply(told(alignment("anna", "merged", 0.9)), ++version);
+  robots[1].apply(told(alignment("dora", "merged", 0.9)), ++version);  // tells nothing herself
   const auto placed = place_starts(robots);
   ASSERT_EQ(placed.size(), 3u);
   const Pose2 T_bert_anna = {1.0, 2.0, 0.5};
@@ -226,8 +231,8 @@ TEST(PlaceStarts, FollowsMergesFromTheFirstRobot) {
 TEST(PlaceStarts, StoredMapsJoinNoRobots) {
   std::vector<RobotState> robots = {RobotState("anna"), RobotState("bert")};
   for (RobotState& robot : robots) {
-    robot.apply(alignment("past self", "merged", 0.9), 1);
-    robot.apply(alignment("earlier session", "merged", 0.9), 2);
+    robot.apply(told(alignment("past self", "merged", 0.9)), 1);
+    robot.apply(told(alignment("earlier session", "merged", 0.9)), 2);
   }
   const auto placed = place_starts(robots);
   EXPECT_EQ(placed.size(), 2u);
@@ -238,14 +243,14 @@ TEST(PlaceStarts, StoredMapsJoinNoRobots) {
 TEST(RobotStateMaps, EachOwnersVersionRisesWithItsOwnChanges) {
   RobotState robot("anna");
   EXPECT_EQ(robot.landmarks_version(RobotState::kOwn), 0u);
-  robot.apply(landmarks(RobotState::kOwn, {1, 2}), 1);
-  robot.apply(landmarks(0, {1}), 2);
+  robot.apply(told(landmarks(RobotState::kOwn, {1, 2})), 1);
+  robot.apply(told(landmarks(0, {1})), 2);
   EXPECT_EQ(robot.landmarks_version(RobotState::kOwn), 1u);
   EXPECT_EQ(robot.landmarks_version(0), 2u);
-  robot.apply({{"type", "forgotten"}, {"peer", 0}}, 3);
+  robot.apply(told({{"type", "forgotten"}, {"peer", 0}}), 3);
   EXPECT_EQ(robot.landmarks_version(0), 3u);
   EXPECT_TRUE(robot.landmarks(0).empty());
-  robot.apply(hello("anna", 2), 4);
+  robot.apply(told(hello("anna", 2)), 4);
   EXPECT_EQ(robot.landmarks_version(RobotState::kOwn), 4u);
 }
 

@@ -38,6 +38,7 @@ matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => { cu
 
 const numbers = new Map();  // robots keep theirs
 function colourOf(name) {
+  if (numbers.size > 1000) numbers.clear();
   if (!numbers.has(name)) numbers.set(name, numbers.size);
   return current.colours[numbers.get(name) % current.colours.length];
 }
@@ -48,7 +49,10 @@ map.onmove = () => { dirty = true; showFollow(); };
 // --- asking --------------------------------------------------------------------------------------
 
 function connect() {
-  socket = new WebSocket(`${location.protocol === 'https:' ? 'wss' : 'ws'}://${location.host}/live`);
+  // The token of the page's own address opens the socket, too.
+  const token = new URLSearchParams(location.search).get('token');
+  socket = new WebSocket(`${location.protocol === 'https:' ? 'wss' : 'ws'}://${location.host}/live` +
+                         (token ? `?token=${encodeURIComponent(token)}` : ''));
   socket.onopen = () => { fleet.epoch = 0; asked_at = 0; ask(); };
   socket.onmessage = event => {
     answered_at = performance.now();

@@ -46,7 +46,7 @@ export function showHealth(robot) {
   $('state').textContent = health?.state ?? '–';
   $('state').className = kMood[health?.state] ?? '';
   $('reason').textContent = health?.reason ?? '';
-  const pose = robot.lines.pose, deviation = pose ? Math.sqrt(Math.max(pose.covariance[0] + pose.covariance[3], 0)) : null;
+  const pose = robot.lines.pose, deviation = pose?.covariance ? Math.sqrt(Math.max(pose.covariance[0] + pose.covariance[3], 0)) : null;
   const facts = [
     ['Position', pose ? `${fixed(pose.pose[0], 2)}, ${fixed(pose.pose[1], 2)} m` : '–'],
     ['Heading', pose ? `${fixed(pose.pose[2] * 180 / Math.PI, 1)}°` : '–'],
@@ -54,7 +54,7 @@ export function showHealth(robot) {
     ['Landmarks', String(robot.maps.get(-1)?.size ?? 0)],
     ['Matched', pose ? `${pose.inliers} of ${pose.candidates} expected` : '–'],
     ['Loops closed', String(health?.map?.loops_closed ?? '–')],
-    ['Camera, CAN', health ? `${health.camera.up ? 'up' : 'DOWN'}, ${health.can.bus_off ? 'BUS OFF' : health.can.up ? 'up' : 'DOWN'}` : '–'],
+    ['Camera, CAN', health ? `${health.camera?.up ? 'up' : 'DOWN'}, ${health.can?.bus_off ? 'BUS OFF' : health.can?.up ? 'up' : 'DOWN'}` : '–'],
   ];
   setChildren($('facts'), facts.flatMap(([name, value]) => [element('dt', name), element('dd', value)]));
 }
@@ -68,7 +68,7 @@ export function showEye(robot, wanted, past) {
     const image = new Image();
     image.onload = () => {
       eyeImage = image;
-      drawEye($('eye'), image, picture.corners, picture.width);
+      drawEye($('eye'), image, picture.corners ?? [], picture.width);
       $('eye').dataset.drawn = String(picture.serial);
     };
     image.src = picture.image;
@@ -128,7 +128,7 @@ export function showTime(robot, theme) {
 export function showCounters(robot) {
   if (!$('counters').open) return;
   const list = element('dl');
-  for (const [title, line] of [['health', robot.lines.health], ['radio', robot.lines.radio]]) {
+  for (const [title, line] of [['health', robot.lines.health], ['radio', robot.lines.radio], ['zenith view', robot.lines.view]]) {
     for (const [group, values] of Object.entries(line ?? {})) {
       if (typeof values !== 'object' || values === null) continue;
       for (const [key, value] of Object.entries(values)) {

@@ -5,17 +5,20 @@ export class Robot {
   constructor(index) {
     this.index = index;
     this.name = '';
-    this.lines = {};        // "pose", "health", "alignment/bert", ...
+    this.lines = Object.create(null);  // "pose", "health", "alignment/bert", ...
     this.maps = new Map();  // owner's slot (-1: own) -> Map(id -> row)
     this.path = [];
     this.steps = [];
-    this.confidence = {};   // by peer
+    this.confidence = Object.create(null);  // by peer: names are anybody's, also "__proto__"
     this.picture = null;
   }
 
   take(change) {
     this.name = change.name;
-    for (const key of change.drop ?? []) delete this.lines[key];
+    for (const key of change.drop ?? []) {
+      delete this.lines[key];
+      if (key.startsWith('confidence/')) delete this.confidence[key.slice('confidence/'.length)];
+    }
     Object.assign(this.lines, change.set ?? {});
     for (const [slot, news] of Object.entries(change.maps ?? {})) this.#takeMap(Number(slot), news);
     if (change.path) splice(this.path, change.path);
