@@ -22,8 +22,9 @@ Result<std::string> read_toml(const std::filesystem::path& path);
 
 // As toml::parse(). What toml++ does not stand is an error before it: keys with more than
 // kMaxKeyDots dots (it makes a table of each part, and the stack does not last to take thousands of
-// nested ones apart), headers without a name, brackets that close others and characters outside of
-// ASCII in keys (it asserts or worse), control characters, bytes that are no UTF-8.
+// nested ones apart), headers without a name, brackets that close others, characters outside of
+// ASCII in keys and dates and times (it asserts or worse), control characters, bytes that are no
+// UTF-8.
 toml::parse_result parse_toml(std::string_view text);
 
 // "path:line: what is wrong".

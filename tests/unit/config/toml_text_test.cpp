@@ -51,6 +51,35 @@ TEST(TomlText, BracketsThatCloseOthersAreRefusedWithTheirLine) {
   }
 }
 
+TEST(TomlText, DatesAndTimesAreRefusedWithTheirLine) {
+  for (const char* value :
+       {"= 1979-05-27T.7:32:00Z", "= 07:32", ": 2", "= 1979-85-2x 7", "= [1979-05-27]"}) {
+    const auto parsed = parse_toml("x = 1\ny " + std::string(value) + "\n");
+    ASSERT_FALSE(parsed) << value;
+    EXPECT_EQ(parsed.error().source().begin.line, 2u);
+  }
+  EXPECT_TRUE(parse_toml("x = 'a:b 1979-05-27'  # c:d\ny = -1979\nz = 1000e-3\nr-2000-b = 1\n"));
+}
+
+TEST(TomlText, QuotesWithinWordsAreRefusedWithTheirLine) {
+  for (const char* value : {"1.d\"\"\"b\u044f9", "'a''b'", "\"a\"'b'", "\"\"\"a\"\"\"\"\"\"",
+                            "a'b'", "0.'\u00c9437", "[1, x.'\u00c9']", "{a.'b' = c.'\u00c9'}"}) {
+    const auto parsed = parse_toml("x = 1\ny = " + std::string(value) + "\n");
+    ASSERT_FALSE(parsed) << value;
+    EXPECT_EQ(parsed.error().source().begin.line, 2u);
+  }
+  EXPECT_TRUE(parse_toml("x = \"\"\"\"a\"\"\"\"\"\ny = ['''b'''',\"\",'']\nz.'a'.\"b\"='c'\n"));
+  EXPECT_TRUE(parse_toml("x = {a.'\u00c9' = [{b.'\u00c9' = 1}]}\n[a.'\u00c9'.\"\u00c9\"]\n"));
+}
+
+TEST(TomlText, BackslashesBeforeOtherThanAsciiAreRefused) {
+  for (const char* text : {"x = \"\\\u00e9\"\n", "x = \"\"\"a\\\n  \u00e9\"\"\"\n",
+                           "x = \"\"\"a\\\\\\\ufef2\"\"\"\n"}) {
+    EXPECT_FALSE(parse_toml(text)) << text;
+  }
+  EXPECT_TRUE(parse_toml("x = \"\\\\\u00e9\"\ny = '\\\u00e9'\nz = \"\"\"a\\\n  b\u00e9\"\"\"\n"));
+}
+
 TEST(TomlText, ControlCharactersAndWhatIsNoUtf8AreRefusedWithTheirLine) {
   for (const char* text :
        {"x = 1\n[\x06]\n", "x = 1\n# \x1b[31m\n", "x = 1\ny = '\x7f'\n", "x = 1\ny = '\xff'\n",
