@@ -123,6 +123,45 @@ TEST(Documentation, EachSectionOfTheAlgorithmNamesItsFiles) {
   EXPECT_THAT(without, IsEmpty());
 }
 
+// --- tests that the pages name -------------------------------------------------------------------
+
+// "Suite.Case" of all tests, and "Suite.*".
+std::set<std::string> names_of_tests() {
+  static const std::regex test(R"(^TEST(?:_F|_P)?\((\w+), (\w+)\))");
+  std::set<std::string> names;
+  for (const auto& entry : fs::recursive_directory_iterator(root() / "tests")) {
+    if (entry.path().extension() != ".cpp") continue;
+    std::ifstream in(entry.path());
+    std::string line;
+    std::smatch found;
+    while (std::getline(in, line)) {
+      if (!std::regex_search(line, found, test)) continue;
+      names.insert(found[1].str() + "." + found[2].str());
+      names.insert(found[1].str() + ".*");
+    }
+  }
+  return names;
+}
+
+TEST(Documentation, EachPromiseOfSecurityHasTestsThatExist) {
+  const std::set<std::string> tests = names_of_tests();
+  const Page page = read_page(root() / "docs" / "security.md");
+  static const std::regex named("`([A-Z]\\w*\\.(?:\\w+|\\*))`");
+  std::vector<std::string> wrong;
+  int promises = 0;
+  for (const auto& row : page.rows) {
+    if (row.size() != 3 || row[2] == "tests") continue;
+    ++promises;
+    const std::sregex_iterator first(row[2].begin(), row[2].end(), named);
+    if (first == std::sregex_iterator()) wrong.push_back("no test holds: " + row[0]);
+    for (auto name = first; name != std::sregex_iterator(); ++name) {
+      if (tests.count((*name)[1]) == 0) wrong.push_back("there is no test " + (*name)[1].str());
+    }
+  }
+  EXPECT_THAT(wrong, IsEmpty());
+  EXPECT_GE(promises, 20) << "the table of attacks is not found any more";
+}
+
 // --- code blocks ---------------------------------------------------------------------------------
 
 // What stands first in a line that somebody is to type.
