@@ -80,7 +80,7 @@ TEST_F(HostileFiles, NamesOfFilesDoNotSteerTheTerminal) {
   expect_told(zenith({"map", "export", file(kEscape), file("a.ply")}));
   expect_told(zenith({"replay", file(kEscape), "--out", out}));
   expect_told(zenith({"calibrate", "import", file(kEscape + ".yaml")}));
-  expect_told(zenith({"calibrate", "drive", file(kEscape)}));
+  expect_told(zenith({"calibrate", "drive", file(kEscape), "--out", out}));
   expect_told(zenith({"sim", file(kEscape + ".toml"), "--out", out}));
   expect_told(run({ZENITHD, "--check", "--config", file(kEscape + ".toml")}));
   const Outcome list = zenith({"map", "list", folder_.path()});
