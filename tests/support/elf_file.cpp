@@ -28,29 +28,31 @@ struct Bits64 {
   using Symbol = Elf64_Sym;
 };
 
-// `count` structures from `offset` on; those beyond the end of the file are zero.
+// `count` structures from `offset` on; none when they do not fit into the file. Offsets of a 64-bit
+// file do not fit into a 32-bit program's size_t.
 template <typename T>
-std::vector<T> structures(const std::string& bytes, std::size_t offset, std::size_t count) {
-  std::vector<T> all(count);
-  const std::size_t size = count * sizeof(T);
-  if (offset <= bytes.size() && size <= bytes.size() - offset) {
-    std::memcpy(all.data(), bytes.data() + offset, size);
-  }
+std::vector<T> structures(const std::string& bytes, std::uint64_t offset, std::uint64_t count) {
+  std::vector<T> all;
+  if (count == 0 || offset > bytes.size()) return all;
+  if (count > (bytes.size() - offset) / sizeof(T)) return all;
+  all.resize(static_cast<std::size_t>(count));
+  std::memcpy(all.data(), bytes.data() + offset, all.size() * sizeof(T));
   return all;
 }
 
-std::string text_at(const std::string& bytes, std::size_t offset) {
+std::string text_at(const std::string& bytes, std::uint64_t offset) {
   if (offset >= bytes.size()) return {};
-  return bytes.substr(offset, bytes.find('\0', offset) - offset);
+  const auto begin = static_cast<std::size_t>(offset);
+  return bytes.substr(begin, bytes.find('\0', begin) - begin);
 }
 
 template <typename Bits>
 void read_dynamic(const std::string& bytes, const typename Bits::Section& section,
-                  std::size_t names, ElfFile& file) {
+                  std::uint64_t names, ElfFile& file) {
   using Entry = typename Bits::Entry;
-  const std::size_t count = section.sh_size / sizeof(Entry);
+  const std::uint64_t count = section.sh_size / sizeof(Entry);
   for (const Entry& entry : structures<Entry>(bytes, section.sh_offset, count)) {
-    const auto value = static_cast<std::size_t>(entry.d_un.d_val);
+    const std::uint64_t value = entry.d_un.d_val;
     if (entry.d_tag == DT_RPATH) file.rpath = text_at(bytes, names + value);
     if (entry.d_tag == DT_RUNPATH) file.runpath = text_at(bytes, names + value);
     if (entry.d_tag == DT_TEXTREL) file.relocates_code = true;
@@ -67,7 +69,9 @@ void read_dynamic(const std::string& bytes, const typename Bits::Section& sectio
 
 template <typename Bits>
 std::optional<ElfFile> read(const std::string& bytes) {
-  const auto header = structures<typename Bits::Header>(bytes, 0, 1)[0];
+  const auto headers = structures<typename Bits::Header>(bytes, 0, 1);
+  if (headers.empty()) return std::nullopt;
+  const auto& header = headers[0];
   if (header.e_type != ET_EXEC && header.e_type != ET_DYN) return std::nullopt;
   ElfFile file;
   file.executable_stack = true;
@@ -81,13 +85,13 @@ std::optional<ElfFile> read(const std::string& bytes) {
   for (const auto& section : sections) {
     if (section.sh_type != SHT_DYNAMIC && section.sh_type != SHT_DYNSYM) continue;
     if (section.sh_link >= sections.size()) continue;
-    const std::size_t names = sections[section.sh_link].sh_offset;
+    const std::uint64_t names = sections[section.sh_link].sh_offset;
     if (section.sh_type == SHT_DYNAMIC) {
       read_dynamic<Bits>(bytes, section, names, file);
       continue;
     }
     using Symbol = typename Bits::Symbol;
-    const std::size_t count = section.sh_size / sizeof(Symbol);
+    const std::uint64_t count = section.sh_size / sizeof(Symbol);
     for (const Symbol& symbol : structures<Symbol>(bytes, section.sh_offset, count)) {
       if (symbol.st_shndx == SHN_UNDEF) file.imports.insert(text_at(bytes, names + symbol.st_name));
     }
