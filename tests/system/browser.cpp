@@ -151,7 +151,9 @@ bool Browser::save_picture(const std::filesystem::path& file) {
 std::vector<std::string> Browser::console() {
   std::vector<std::string> lines;
   for (const json& entry : ask("POST", "/se/log", {{"type", "browser"}})) {
-    lines.push_back(entry.value("level", "") + ": " + entry.value("message", ""));
+    const std::string message = entry.value("message", "");
+    if (message.rfind("chrome://", 0) == 0) continue;  // of the browser's own first page
+    lines.push_back(entry.value("level", "") + ": " + message);
   }
   return lines;
 }
