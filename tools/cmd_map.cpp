@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "platform/base/printable.h"
 #include "platform/storage/map_store.h"
 #include "tools/commands.h"
 #include "tools/map_export.h"
@@ -53,7 +54,8 @@ std::vector<fs::path> generations(const fs::path& folder, const std::string& nam
   std::error_code code;
   for (std::size_t i = 0; i < storage::kGenerations; ++i) {
     const fs::path file = folder / storage::generation_file(name, i);
-    if (fs::exists(file, code)) files.push_back(file);
+    // A link that leads nowhere is there as well, and told when it is read.
+    if (fs::exists(fs::symlink_status(file, code))) files.push_back(file);
   }
   return files;
 }
@@ -107,7 +109,7 @@ int list(const std::string& folder) {
     if (name.find(".zenmap") != std::string::npos) files.insert(entry.path());
   }
   for (const fs::path& file : files) {
-    const std::string name = file.filename().string();
+    const std::string name = printable(file.filename().string());  // one line each
     const DecodedMap decoded = read_map(file);
     if (decoded.fault != MapFault::kNone) {
       std::printf("%-24s %s\n", name.c_str(), decoded.reason.c_str());

@@ -153,6 +153,10 @@ Result<std::string> token_of_file(const std::string& path) {
   if (::fstat(file.get(), &about) != 0 || !S_ISREG(about.st_mode)) {
     return token_error(path, "expected a file");
   }
+  if (about.st_uid != 0 && about.st_uid != ::geteuid()) {
+    return token_error(path, "belongs to user " + std::to_string(about.st_uid) +
+                                 ", who knows the token; expected a file of yours or of root");
+  }
   if ((about.st_mode & (S_IROTH | S_IWOTH | S_IWGRP)) != 0) {
     return token_error(path, "others may read or change it; `chmod 640` or 600 mends that");
   }

@@ -3,6 +3,7 @@
 #include "tools/view/web_access.h"
 
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -105,6 +106,11 @@ TEST(WebAccess, ATokenFileIsMadeOnceAndNobodyElsesToRead) {
   EXPECT_THAT(token_of_file(path).error().message, HasSubstr("chmod"));
   ASSERT_EQ(::chmod(path.c_str(), 0640), 0);
   EXPECT_TRUE(token_of_file(path).ok());
+  if (::geteuid() == 0) {
+    ASSERT_EQ(::chown(path.c_str(), 65534, 0), 0);
+    EXPECT_THAT(token_of_file(path).error().message, HasSubstr("belongs to user 65534"));
+    ASSERT_EQ(::chown(path.c_str(), 0, 0), 0);
+  }
   for (const std::string& text :
        {std::string("short\n"), std::string("0123456789abcdef\nmore\n"), std::string(200, 'a'),
         std::string("0123456789abcde\x1b\n"), std::string()}) {
