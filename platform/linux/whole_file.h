@@ -32,8 +32,7 @@ Status write_whole_file(const std::filesystem::path& path, std::string_view cont
 // All of it, into an open file. 0, or errno.
 int write_all(int fd, std::string_view content);
 
-// --- for output that is more than one file
-// --------------------------------------------------------
+// --- for output that is more than one file -------------------------------------------------------
 
 // ".NAME" and `kind` and a random number; kinds are kPartial and such. Never "." or a path.
 inline constexpr std::string_view kPartial = ".partial-";
