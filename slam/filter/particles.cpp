@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "slam/bounds.h"
+#include "slam/counters.h"
 
 namespace zenith {
 

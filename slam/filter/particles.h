@@ -8,12 +8,13 @@
 #include <Eigen/Core>
 
 #include "platform/base/arena.h"
-#include "slam/counters.h"
 #include "slam/filter/rows.h"
 #include "slam/geometry.h"
 #include "slam/kernels/rows/rows.h"
 
 namespace zenith {
+
+struct RepairCounters;
 
 struct Particles {
   int count = 0;

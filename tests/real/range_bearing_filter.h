@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "platform/base/random.h"
+#include "slam/counters.h"
 #include "slam/filter/ancestry.h"
 #include "slam/filter/particles.h"
 #include "slam/filter/proposal.h"

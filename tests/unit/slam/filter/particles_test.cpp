@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "slam/counters.h"
 #include "tests/support/arena_block.h"
 
 namespace zenith {
