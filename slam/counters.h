@@ -62,8 +62,9 @@ struct MapperCounters {
 };
 
 struct StepCounters {
-  std::uint64_t frames = 0;          // used or not, refused ones left out
-  std::uint64_t frames_refused = 0;  // of another size than the lens, or stamps that do not rise
+  std::uint64_t frames = 0;           // used or not, refused ones left out
+  std::uint64_t frames_refused = 0;   // of another size than the lens, or stamps that do not rise
+  std::uint64_t frames_repeated = 0;  // the last picture though the wheels moved: not used
   std::uint64_t odometry_extrapolated = 0;
   std::uint64_t odometry_rejected = 0;   // samples beyond bounds, or not newer than the last
   std::uint64_t odometry_jumps = 0;      // totals that jumped further than a wheel turns

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace zenith {
 namespace {
@@ -19,6 +20,7 @@ void FeatureExtractor::layout(Arena& arena) {
   rectifier_.layout(arena);
   detector_.layout(arena);
   rectified_ = arena.take<std::uint8_t>(kRectifiedSize * kRectifiedSize);
+  rectified_before_ = arena.take<std::uint8_t>(kRectifiedSize * kRectifiedSize);
   corners_ = arena.take<Corners>(1);
   features_ = arena.take<Features>(1);
 }
@@ -53,10 +55,14 @@ bool FeatureExtractor::sees(const Eigen::Vector2d& m, int margin_px) const {
 Features& FeatureExtractor::extract(const ImageView& frame, int corners_max) {
   Corners& corners = corners_[0];
   Features& features = features_[0];
-  features.clear();
+  std::swap(rectified_, rectified_before_);
   const MutableImageView image = {rectified_.data(), kRectifiedSize, kRectifiedSize,
                                   kRectifiedSize};
   rectifier_.apply(frame, image);
+  repeated_ = !features.empty() &&
+              std::equal(rectified_.begin(), rectified_.end(), rectified_before_.begin());
+  if (repeated_) return features;
+  features.clear();
   CornerSettings settings = settings_;
   settings.max_corners = std::clamp(corners_max, 0, settings.max_corners);
   detector_.detect(image, settings, corners);

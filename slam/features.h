@@ -27,7 +27,12 @@ class FeatureExtractor {
   // Whether the frame has pixels, as many as the lens says.
   bool fits(const ImageView& frame) const { return rectifier_.fits(frame); }
   // Features of such a frame, strongest first, at most `corners_max`; valid until the next call.
+  // Those of the last frame, as they are by now, when this one repeats it.
   Features& extract(const ImageView& frame, int corners_max = kMaxCorners);
+  // Whether the last frame repeats the one before, bit for bit where the rectified image looks, and
+  // shows corners. No camera that moves takes one picture twice: it was delivered twice, or driver
+  // or sensor hang. A picture without corners may repeat: of a covered lens, or a blank ceiling.
+  bool repeated() const { return repeated_; }
 
   const Pinhole& pinhole() const { return pinhole_; }
   // The rectified image of the last frame.
@@ -45,6 +50,8 @@ class FeatureExtractor {
   Rectifier rectifier_;
   CornerDetector detector_;
   std::span<std::uint8_t> rectified_;
+  std::span<std::uint8_t> rectified_before_;
+  bool repeated_ = false;
   std::span<Corners> corners_;
   std::span<Features> features_;
 };

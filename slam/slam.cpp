@@ -73,7 +73,10 @@ bool Slam::State::begin(const StepInput& input) {
   features = &extractor.extract(input.frame, input.corners_max);
   output.stamp = input.stamp;
   output.corners = static_cast<int>(features->size());
-  return mapper.worth_using(travel);
+  const bool moved = mapper.worth_using(travel);
+  output.repeated = moved && extractor.repeated();
+  counters.frames_repeated += output.repeated ? 1 : 0;
+  return moved && !output.repeated;
 }
 
 void Slam::State::cooperate(bool used_frame) {
@@ -103,6 +106,7 @@ void Slam::State::finish(bool used_frame, const Pose2& T_own_map) {
   output.candidates = 0;
   output.matched = 0;
   output.inliers = 0;
+  if (output.repeated) return;
   for (const Candidate& c : mapper.candidates()) {
     ++output.candidates;
     output.matched += c.corner >= 0 ? 1 : 0;

@@ -41,6 +41,7 @@ struct StepInput {
 struct StepOutput {
   Time stamp;
   bool accepted = false;  // false: the frame was refused, all else is of the last one
+  bool repeated = false;  // the wheels moved, the picture is the last one's: it was not used
   Pose2 T_start_robot;    // base_link in the robot's own start frame
   Eigen::Matrix3d pose_covariance = Eigen::Matrix3d::Zero();  // over (x, y, theta)
   double effective_sample_size = 0.0;

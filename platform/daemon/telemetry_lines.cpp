@@ -70,6 +70,7 @@ void write_map(JsonLine& line, const StepCounters& steps) {
   line.begin("map")
       .count("frames", steps.frames)
       .count("frames_refused", steps.frames_refused)
+      .count("frames_repeated", steps.frames_repeated)
       .count("odometry_extrapolated", steps.odometry_extrapolated)
       .count("odometry_rejected", steps.odometry_rejected)
       .count("odometry_jumps", steps.odometry_jumps)

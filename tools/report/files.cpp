@@ -101,6 +101,7 @@ nlohmann::json counters_json(const StepCounters& c) {
   for (const RepairKind& kind : kRepairKinds) repairs[kind.name] = c.mapper.repairs.*kind.count;
   return {{"frames", c.frames},
           {"frames_refused", c.frames_refused},
+          {"frames_repeated", c.frames_repeated},
           {"odometry_extrapolated", c.odometry_extrapolated},
           {"odometry_rejected", c.odometry_rejected},
           {"odometry_jumps", c.odometry_jumps},

@@ -256,6 +256,7 @@ TEST(TelemetryLines, APoseTellsTheWheelsAndAClockWhatToAdd) {
 TEST(TelemetryLines, HealthTellsWhatWasRefusedAndRepaired) {
   PerceptionReport report;
   report.steps.frames_refused = 3;
+  report.steps.frames_repeated = 2;
   report.steps.odometry_rejected = 4;
   report.steps.odometry_jumps = 5;
   report.steps.records_refused = 6;
@@ -265,9 +266,10 @@ TEST(TelemetryLines, HealthTellsWhatWasRefusedAndRepaired) {
   JsonLine line;
   write_health(line, report, {RobotLight::kMapping, ""}, {});
   const std::string said(line.finish());
-  EXPECT_THAT(said, HasSubstr(R"("frames_refused":3,"odometry_extrapolated":0,)"
-                              R"("odometry_rejected":4,"odometry_jumps":5,"records_refused":6,)"
-                              R"("calls_refused":7,"created":0)"));
+  EXPECT_THAT(said,
+              HasSubstr(R"("frames_refused":3,"frames_repeated":2,)"
+                        R"("odometry_extrapolated":0,"odometry_rejected":4,"odometry_jumps":5,)"
+                        R"("records_refused":6,"calls_refused":7,"created":0)"));
   EXPECT_THAT(said, HasSubstr(R"("repairs":{"travels_refused":0,"particles_moved":0,)"
                               R"("weights_zeroed":8,)"));
   EXPECT_THAT(said, HasSubstr(R"("landmarks_dropped":9,"maps_reset":0})"));
