@@ -148,7 +148,7 @@ void Fleet::search(Peer& peer, const ObservedFrame& frame, const Map& map,
 // New hypotheses from this frame alone.
 void Fleet::propose(Peer& peer, const ObservedFrame& frame, const Pose2& T_own_robot) {
   find_overlap(frame, peer.map, overlap_, matches_[0]);
-  hough_.find_places(frame, peer.map, matches_[0], hough_settings_, fixes_[0]);
+  hough_.find_places(matches_[0], hough_settings_, fixes_[0]);
   for (const PlaceFix& fix : fixes_[0]) {
     const Pose2 T_own_peer = T_own_robot * fix.T_peer_robot.inverse();
     if (is_self(peer) && same_alignment(T_own_peer, {}, T_own_robot.position())) continue;

@@ -33,14 +33,14 @@ bool same_place(const Pose2& a, const Pose2& b) {
 
 // Best landmark for each observed one within `radius_m` of where `T_peer_robot` puts it; each
 // landmark of the peer serves once.
-int collect_pairs(const ObservedFrame& frame, const PeerMap& peer, const OverlapMatches& matches,
-                  const Pose2& T_peer_robot, double radius_m, PlaceFix& fix) {
+int collect_pairs(const OverlapMatches& matches, const Pose2& T_peer_robot, double radius_m,
+                  PlaceFix& fix) {
   std::array<float, kMaxCorners> best;
   best.fill(-1.0F);
   fix.peer_slot.fill(-1);
   for (const OverlapMatch& m : matches) {
     const auto i = static_cast<std::size_t>(m.observed);
-    const Eigen::Vector2d d = T_peer_robot * frame[i].from_robot_m - peer[m.peer_slot].xy();
+    const Eigen::Vector2d d = T_peer_robot * m.from_robot_m - m.landmark_m;
     if (d.squaredNorm() > radius_m * radius_m || m.ncc <= best[i]) continue;
     if (std::abs(wrap_angle(static_cast<double>(m.heading_rad) - T_peer_robot.theta_rad)) > 0.6) {
       continue;
@@ -60,13 +60,13 @@ int collect_pairs(const ObservedFrame& frame, const PeerMap& peer, const Overlap
                                         [](std::int16_t s) { return s >= 0; }));
 }
 
-Pose2 fit_pairs(const ObservedFrame& frame, const PeerMap& peer, const PlaceFix& fix) {
+Pose2 fit_pairs(const OverlapMatches& matches, const PlaceFix& fix) {
   FixedVector<PointPair, kMaxCorners> pairs;
-  for (std::size_t i = 0; i < frame.size(); ++i) {
-    if (fix.peer_slot[i] < 0) continue;
+  for (const OverlapMatch& m : matches) {
+    if (fix.peer_slot[static_cast<std::size_t>(m.observed)] != m.peer_slot) continue;
     PointPair pair;
-    pair.a = peer[fix.peer_slot[i]].xy();
-    pair.b = frame[i].from_robot_m;
+    pair.a = m.landmark_m;
+    pair.b = m.from_robot_m;
     pairs.push_back(pair);
   }
   return fit_rigid(pairs.span());
@@ -78,10 +78,9 @@ void HoughSearch::layout(Arena& arena) {
   grid_ = arena.take<float>(static_cast<std::size_t>(kCells) * kCells);
 }
 
-void HoughSearch::vote(const ObservedFrame& frame, const PeerMap& peer, const OverlapMatch& match,
-                       double arc_rad) {
-  const Eigen::Vector2d z = frame[static_cast<std::size_t>(match.observed)].from_robot_m;
-  const Eigen::Vector2d landmark = peer[match.peer_slot].xy();
+void HoughSearch::vote(const OverlapMatch& match, double arc_rad) {
+  const Eigen::Vector2d& z = match.from_robot_m;
+  const Eigen::Vector2d& landmark = match.landmark_m;
   const double radius = z.norm();
   if (!is_within(radius, kFarthestSeen_m)) return;
   const double centre = bearing(z) + static_cast<double>(match.heading_rad) + std::numbers::pi;
@@ -155,19 +154,18 @@ void HoughSearch::note_peak(const Peak& peak, int apart, Peaks& peaks) {
   }
 }
 
-void HoughSearch::find_places(const ObservedFrame& frame, const PeerMap& peer,
-                              const OverlapMatches& matches, const HoughSettings& settings,
+void HoughSearch::find_places(const OverlapMatches& matches, const HoughSettings& settings,
                               PlaceFixes& out) {
   out.clear();
   if (matches.size() < static_cast<std::size_t>(settings.min_inliers)) return;
   std::fill(grid_.begin(), grid_.end(), 0.0F);
-  for (const OverlapMatch& m : matches) vote(frame, peer, m, settings.arc_deg * kDegree);
+  for (const OverlapMatch& m : matches) vote(m, settings.arc_deg * kDegree);
 
   Peaks peaks;
   find_peaks(static_cast<int>(settings.peak_distance_m / kCell_m), peaks);
   for (const Peak& peak : peaks) {
     const Eigen::Vector2d place((peak.x + 0.5) * kCell_m, (peak.y + 0.5) * kCell_m);
-    PlaceFix fix = fix_place(frame, peer, matches, settings, place, kCells * kCell_m);
+    PlaceFix fix = fix_place(matches, settings, place, kCells * kCell_m);
     fix.votes = peak.votes;
     if (fix.inliers < settings.min_inliers) continue;
     auto* same = std::find_if(out.begin(), out.end(), [&fix](const PlaceFix& other) {
@@ -186,19 +184,18 @@ void HoughSearch::find_places(const ObservedFrame& frame, const PeerMap& peer,
             [](const PlaceFix& a, const PlaceFix& b) { return a.inliers > b.inliers; });
 }
 
-PlaceFix fix_place(const ObservedFrame& frame, const PeerMap& peer, const OverlapMatches& matches,
-                   const HoughSettings& settings, const Eigen::Vector2d& place, double period_m) {
+PlaceFix fix_place(const OverlapMatches& matches, const HoughSettings& settings,
+                   const Eigen::Vector2d& place, double period_m) {
   // The heading by vote, over the matches whose circle passes here.
   std::array<float, kHeadingBins> votes = {};
   std::array<Eigen::Vector2d, kHeadingBins> centre;
   centre.fill(Eigen::Vector2d::Zero());
   for (const OverlapMatch& m : matches) {
-    const Observed& own = frame[static_cast<std::size_t>(m.observed)];
-    const Eigen::Vector2d raw = peer[m.peer_slot].xy() - place;
+    const Eigen::Vector2d raw = m.landmark_m - place;
     const Eigen::Vector2d to = wrapped(raw, period_m);
-    if (std::abs(to.norm() - own.from_robot_m.norm()) > settings.radius_m) continue;
+    if (std::abs(to.norm() - m.from_robot_m.norm()) > settings.radius_m) continue;
     const auto told = static_cast<double>(m.heading_rad);
-    const double seen = bearing(to) - bearing(own.from_robot_m);
+    const double seen = bearing(to) - bearing(m.from_robot_m);
     if (to.norm() > 0.5 && std::abs(wrap_angle(seen - told)) > settings.arc_deg * kDegree) continue;
     const double heading = to.norm() > 0.5 ? seen : told;
     const double turn = (wrap_angle(heading) / (2.0 * std::numbers::pi) + 0.5) * kHeadingBins;
@@ -230,12 +227,12 @@ PlaceFix fix_place(const ObservedFrame& frame, const PeerMap& peer, const Overla
   fix.T_peer_robot = {start.x(), start.y(), heading};
   double radius = 0.15 + 2.0 * settings.radius_m;
   for (int iteration = 0; iteration < 4; ++iteration) {
-    fix.inliers = collect_pairs(frame, peer, matches, fix.T_peer_robot, radius, fix);
+    fix.inliers = collect_pairs(matches, fix.T_peer_robot, radius, fix);
     if (fix.inliers < 3) return fix;
-    fix.T_peer_robot = fit_pairs(frame, peer, fix);
+    fix.T_peer_robot = fit_pairs(matches, fix);
     radius = std::max(settings.inlier_m, 0.5 * radius);
   }
-  fix.inliers = collect_pairs(frame, peer, matches, fix.T_peer_robot, settings.inlier_m, fix);
+  fix.inliers = collect_pairs(matches, fix.T_peer_robot, settings.inlier_m, fix);
   return fix;
 }
 

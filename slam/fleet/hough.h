@@ -40,9 +40,9 @@ class HoughSearch {
  public:
   void layout(Arena& arena);
 
-  // The best places, most inliers first.
-  void find_places(const ObservedFrame& frame, const PeerMap& peer, const OverlapMatches& matches,
-                   const HoughSettings& settings, PlaceFixes& out);
+  // The best places, most inliers first. Of matches it takes where the robot sees the one and where
+  // the other lies; how they came to be is not asked.
+  void find_places(const OverlapMatches& matches, const HoughSettings& settings, PlaceFixes& out);
 
  private:
   static constexpr int kCells = 512;
@@ -53,8 +53,7 @@ class HoughSearch {
     int y = 0;
     float votes = 0.0F;
   };
-  void vote(const ObservedFrame& frame, const PeerMap& peer, const OverlapMatch& match,
-            double arc_rad);
+  void vote(const OverlapMatch& match, double arc_rad);
   float& cell(int x, int y) {
     return grid_[static_cast<std::size_t>((y & (kCells - 1)) * kCells + (x & (kCells - 1)))];
   }
@@ -69,7 +68,7 @@ class HoughSearch {
 
 // Among `matches`, those that a robot near `place` (any place a whole number of `period_m` away)
 // can explain; then the pose on which most agree. inliers = 0: nothing.
-PlaceFix fix_place(const ObservedFrame& frame, const PeerMap& peer, const OverlapMatches& matches,
-                   const HoughSettings& settings, const Eigen::Vector2d& place, double period_m);
+PlaceFix fix_place(const OverlapMatches& matches, const HoughSettings& settings,
+                   const Eigen::Vector2d& place, double period_m);
 
 }  // namespace zenith

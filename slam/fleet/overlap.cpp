@@ -12,49 +12,39 @@ namespace {
 
 static_assert(kMaxCorners <= kMaxQueries);
 
-// One observed landmark on its way through the peer's map.
-class Seeker {
- public:
-  void begin(const Observed& own) {
-    own_ = &own;
-    best_.clear();
-    similar_ = 0;
-  }
-
-  // `appearance` of landmark `slot` is similar. This is asked often: only what is kept costs more.
-  void meet(int slot, const PeerAppearance& appearance, float ncc) {
-    ++similar_;
-    const bool full = best_.full();
-    if (full && ncc <= best_[worst_].ncc) return;
-    const OverlapMatch match = {-1, slot, ncc, appearance.direction_rad, 0.0F};
-    if (full) {
-      best_[worst_] = match;
-    } else {
-      best_.push_back(match);
-    }
-    const auto* worst = std::min_element(
-        best_.begin(), best_.end(), [](const auto& a, const auto& b) { return a.ncc < b.ncc; });
-    worst_ = static_cast<std::size_t>(worst - best_.begin());
-  }
-
-  void tell(int observed, OverlapMatches& out) const {
-    for (OverlapMatch match : best_) {
-      match.observed = observed;
-      match.heading_rad = static_cast<float>(
-          wrap_angle(static_cast<double>(match.heading_rad - own_->orientation_rad)));
-      match.weight = 1.0F / std::sqrt(static_cast<float>(similar_));
-      out.push_back(match);
-    }
-  }
-
- private:
-  const Observed* own_ = nullptr;
-  FixedVector<OverlapMatch, kMatchesPerObserved> best_;
-  std::size_t worst_ = 0;
-  int similar_ = 0;
-};
-
 }  // namespace
+
+void BestMatches::clear() {
+  best_.clear();
+  worst_ = 0;
+  similar_ = 0;
+}
+
+void BestMatches::meet(const Similar& similar) {
+  ++similar_;
+  if (!best_.full()) {
+    best_.push_back(similar);
+  } else if (similar.ncc > best_[worst_].ncc) {
+    best_[worst_] = similar;
+  } else {
+    return;
+  }
+  const auto* worst = std::min_element(best_.begin(), best_.end(),
+                                       [](const auto& a, const auto& b) { return a.ncc < b.ncc; });
+  worst_ = static_cast<std::size_t>(worst - best_.begin());
+}
+
+void BestMatches::append_to(int observed, OverlapMatches& out) const {
+  for (const Similar& s : best_) {
+    OverlapMatch match;
+    match.observed = observed;
+    match.peer_slot = s.slot;
+    match.ncc = s.ncc;
+    match.heading_rad = static_cast<float>(wrap_angle(s.turn_rad));
+    match.weight = 1.0F / std::sqrt(static_cast<float>(similar_));
+    out.push_back(match);
+  }
+}
 
 bool heights_agree(const Observed& own, const PeerLandmark& peer, double tolerance_m) {
   // Three sigmas, compared in squares: this is asked of every pair of landmarks.
@@ -69,10 +59,9 @@ void find_overlap(const ObservedFrame& frame, const PeerMap& peer, const Overlap
   out.clear();
   const MatchKernels<kCompactLength>& match = match_in_use().compact;
   MatchQueries<kCompactLength> queries;
-  std::array<Seeker, kMaxCorners> seekers;
+  std::array<BestMatches, kMaxCorners> best;
   for (std::size_t i = 0; i < frame.size(); ++i) {
     match.pack(queries, frame[i].compact.values.data(), frame[i].compact.inverse_norm);
-    seekers[i].begin(frame[i]);
   }
   std::array<LookFound, kMaxCorners> found;
   for (int slot = 0; slot < peer.size(); ++slot) {
@@ -89,10 +78,15 @@ void find_overlap(const ObservedFrame& frame, const PeerMap& peer, const Overlap
       const LookFound& f = found[static_cast<std::size_t>(k)];
       const auto i = static_cast<std::size_t>(f.query);
       if (!heights_agree(frame[i], l, settings.height_tolerance_m)) continue;
-      seekers[i].meet(slot, its[static_cast<std::size_t>(f.look)], f.ncc);
+      const float direction = its[static_cast<std::size_t>(f.look)].direction_rad;
+      best[i].meet({slot, f.ncc, static_cast<double>(direction - frame[i].orientation_rad)});
     }
   }
-  for (std::size_t i = 0; i < frame.size(); ++i) seekers[i].tell(static_cast<int>(i), out);
+  for (std::size_t i = 0; i < frame.size(); ++i) best[i].append_to(static_cast<int>(i), out);
+  for (OverlapMatch& m : out) {
+    m.from_robot_m = frame[static_cast<std::size_t>(m.observed)].from_robot_m;
+    m.landmark_m = peer[m.peer_slot].xy();
+  }
 }
 
 }  // namespace zenith

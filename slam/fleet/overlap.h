@@ -32,9 +32,32 @@ struct OverlapMatch {
   float ncc = 0.0F;
   float heading_rad = 0.0F;
   float weight = 0.0F;  // a look that fits many landmarks says little about the place
+  Eigen::Vector2d from_robot_m = Eigen::Vector2d::Zero();  // the observed one, base_link
+  Eigen::Vector2d landmark_m = Eigen::Vector2d::Zero();    // in the peer's frame
 };
 inline constexpr int kMatchesPerObserved = 12;
 using OverlapMatches = FixedVector<OverlapMatch, kMaxCorners * kMatchesPerObserved>;
+
+// The best matches of one observed landmark, on the way through a map.
+class BestMatches {
+ public:
+  struct Similar {
+    int slot = -1;
+    float ncc = 0.0F;
+    double turn_rad = 0.0;  // from the observed patch to the landmark's: a heading, not wrapped
+  };
+
+  void clear();
+  // A landmark that looks like it. Asked often: only what is kept costs more.
+  void meet(const Similar& similar);
+  // Those that were kept, with their weights and no places.
+  void append_to(int observed, OverlapMatches& out) const;
+
+ private:
+  FixedVector<Similar, kMatchesPerObserved> best_;
+  std::size_t worst_ = 0;
+  int similar_ = 0;
+};
 
 struct OverlapSettings {
   float ncc_min = 0.75F;

@@ -91,7 +91,7 @@ void hough_places(benchmark::State& state) {
   find_overlap(rig.frame(), rig.peer(), OverlapSettings{}, rig.matches());
   PlaceFixes fixes;
   for (auto _ : state) {
-    rig.hough().find_places(rig.frame(), rig.peer(), rig.matches(), HoughSettings{}, fixes);
+    rig.hough().find_places(rig.matches(), HoughSettings{}, fixes);
     benchmark::DoNotOptimize(fixes.size());
   }
   state.counters["inliers"] = fixes.empty() ? 0.0 : fixes[0].inliers;

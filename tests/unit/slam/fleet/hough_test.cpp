@@ -63,7 +63,12 @@ struct Rig {
   PlaceFixes fixes;
 
   const PlaceFixes& find(const Scene& scene) {
-    search.find_places(scene.frame, scene.peer->map, scene.matches, {}, fixes);
+    OverlapMatches matches = scene.matches;
+    for (OverlapMatch& m : matches) {
+      m.from_robot_m = scene.frame[static_cast<std::size_t>(m.observed)].from_robot_m;
+      m.landmark_m = scene.peer->map[m.peer_slot].xy();
+    }
+    search.find_places(matches, {}, fixes);
     return fixes;
   }
 };
