@@ -57,6 +57,10 @@ struct MapperCounters {
   std::uint64_t candidates_rejected_full = 0;
   std::uint64_t loops_closed = 0;
   std::uint64_t slips = 0;
+  std::uint64_t poses_recovered = 0;  // by the search around the pose, after a slip or a push
+  std::uint64_t frames_held = 0;      // that do not fit where the wheels lead: not used
+  std::uint64_t times_lost = 0;       // held for too long
+  std::uint64_t relocalised = 0;      // found again in the own map
   std::uint64_t begun_anew = 0;  // young maps of wrong scale that were given up, and maps_reset
   RepairCounters repairs;
 };

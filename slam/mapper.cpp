@@ -17,6 +17,7 @@ void Mapper::layout(Arena& arena, const Parameters& parameters) {
   arena.part("filter: particles, proposal, association");
   particles_.layout(arena, n);
   associator_.layout(arena);
+  search_.layout(arena);
   proposal_.layout(arena, n);
   const auto stride = static_cast<std::size_t>(row_stride(n));
   candidates_ = arena.take<Candidates>(1);
@@ -54,8 +55,10 @@ bool Mapper::worth_using(const WheelTravel& travel) const {
 void Mapper::update(const WheelTravel& travel, Features& features, const FeatureExtractor& view) {
   move(travel, features);
   forget_unseen();
-  sense(features, view);
+  if (!follow(features, view)) return hold();
+  weigh(features);
   estimate();
+  keep_corners(features);
   for (const Candidate& c : candidates_[0]) {
     if (!c.inlier) continue;
     const Feature& f = features[static_cast<std::size_t>(c.corner)];
@@ -95,8 +98,16 @@ void Mapper::move(const WheelTravel& travel, Features& features) {
 }
 
 void Mapper::sense(const Features& features, const FeatureExtractor& view) {
+  match(features, view);
+  weigh(features);
+}
+
+void Mapper::match(const Features& features, const FeatureExtractor& view) {
   predict_candidates(view);
   associate(features);
+}
+
+void Mapper::weigh(const Features& features) {
   trust_matches(features);
   if (calibration_.enabled()) learn_calibration(features);
   weigh_and_move(features);

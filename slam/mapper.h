@@ -18,6 +18,9 @@
 #include "slam/map/association.h"
 #include "slam/map/map.h"
 #include "slam/parameters.h"
+#include "slam/recovery/pose_search.h"
+#include "slam/recovery/relocaliser.h"
+#include "slam/recovery/tracking.h"
 #include "slam/robot.h"
 
 namespace zenith {
@@ -36,8 +39,13 @@ class Mapper {
   // Whether the robot moved enough since the last used frame for this one to tell anything new.
   bool worth_using(const WheelTravel& travel) const;
 
+  // Whether the picture has moved though the wheels have not: the robot is pushed or turned.
+  bool sees_push(const Features& features) const;
+
   // One used frame; `travel` of the wheels since the last used one.
   // Corrects the features for the calibration learned so far.
+  // A frame that does not fit where the wheels lead, nor any place near, is held: the poses follow
+  // the wheels, the map stays as it is.
   void update(const WheelTravel& travel, Features& features, const FeatureExtractor& view);
 
   // What breaks in it is repaired and counted (MapperCounters::repairs): see mapper_repair.cpp.
@@ -81,6 +89,8 @@ class Mapper {
   double effective_sample_size() const { return effective_; }
   const CalibrationEstimator& calibration() const { return calibration_; }
   bool loop_closing() const { return loop_closing_; }
+  // After the last frame of update().
+  TrackingState tracking() const { return tracking_.state(); }
   const MapperCounters& counters() const { return counters_; }
   Eigen::Vector2d lever_m() const { return {robot_.mount.x_m, robot_.mount.y_m}; }
   const RobotConfig& robot() const { return robot_; }
@@ -106,6 +116,20 @@ class Mapper {
   void trust_matches(const Features& features);
   void learn_calibration(const Features& features);
   void move_by_calibration(const CalibrationVector& step);
+  void match(const Features& features, const FeatureExtractor& view);
+  void weigh(const Features& features);
+  // mapper_recovery.cpp:
+  // Matches; false: the frame does not fit.
+  bool follow(const Features& features, const FeatureExtractor& view);
+  bool recover(const FrameOverMap& frame);
+  bool relocalise(const FrameOverMap& frame);
+  bool continue_at(const FrameOverMap& frame, const Pose2& T_own_robot);
+  void note_as_seen(const Pose2& T_own_robot);
+  void shift_poses(const Pose2& by);
+  void hold();
+  MatchShare match_share() const;
+  void keep_corners(const Features& features);
+
   // mapper_repair.cpp, each after what may have broken something:
   void set_motion(const WheelTravel& travel);
   void check_poses();
@@ -145,6 +169,11 @@ class Mapper {
   PoseCorrection correction_;
   bool loop_closing_ = false;
   ScaleWatch scale_;
+  Tracking tracking_;
+  PoseSearch search_;
+  Relocaliser relocaliser_;
+  // Where the last used frame showed landmarks.
+  FixedVector<Eigen::Vector2f, kMaxCorners> corners_kept_;
   bool scale_wrong_ = false;
   int resets_in_row_ = 0;  // used frames in which all poses broke
   bool poses_broke_ = false;

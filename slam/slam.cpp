@@ -44,7 +44,7 @@ const StepOutput& Slam::step(const StepInput& input) {
   if (!s.accept(input)) return s.output;
   const bool use = s.begin(input);
   if (use) s.mapper.update(s.travel, *s.features, s.extractor);
-  s.cooperate(use);
+  s.cooperate(use && s.mapper.tracking() == TrackingState::kTracking);
   s.finish(use, {});
   return s.output;
 }
@@ -73,7 +73,8 @@ bool Slam::State::begin(const StepInput& input) {
   features = &extractor.extract(input.frame, input.corners_max);
   output.stamp = input.stamp;
   output.corners = static_cast<int>(features->size());
-  const bool moved = mapper.worth_using(travel);
+  const bool moved =
+      mapper.worth_using(travel) || (!extractor.repeated() && mapper.sees_push(*features));
   output.repeated = moved && extractor.repeated();
   counters.frames_repeated += output.repeated ? 1 : 0;
   return moved && !output.repeated;
@@ -91,6 +92,7 @@ void Slam::State::cooperate(bool used_frame) {
 void Slam::State::finish(bool used_frame, const Pose2& T_own_map) {
   Pose2 pose = mapper.pose().mean;
   used_last = used_frame;
+  output.tracking = mapper.tracking();
   if (used_frame) {
     used = now;
     has_used = true;

@@ -23,6 +23,7 @@
 #include "slam/image/image.h"
 #include "slam/parameters.h"
 #include "slam/picture.h"
+#include "slam/recovery/tracking.h"
 #include "slam/robot.h"
 #include "slam/wheels.h"
 
@@ -42,7 +43,9 @@ struct StepOutput {
   Time stamp;
   bool accepted = false;  // false: the frame was refused, all else is of the last one
   bool repeated = false;  // the wheels moved, the picture is the last one's: it was not used
-  Pose2 T_start_robot;    // base_link in the robot's own start frame
+  // Beside kTracking the pose is the wheels' since the last frame that was used.
+  TrackingState tracking = TrackingState::kTracking;
+  Pose2 T_start_robot;  // base_link in the robot's own start frame
   Eigen::Matrix3d pose_covariance = Eigen::Matrix3d::Zero();  // over (x, y, theta)
   double effective_sample_size = 0.0;
   Odometry odometry;  // the wheels alone

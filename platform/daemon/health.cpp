@@ -55,6 +55,9 @@ Health judge_health(const PerceptionReport& report, const Lately& lately, Time s
   if (std::max(without_frames, without_wheels) > kFaultAfter) return {RobotLight::kFault, reason};
   if (!report.has_pose) return {RobotLight::kStarting, reason};
   if (!reason.empty()) return {RobotLight::kDegraded, reason};
+  if (report.tracking == TrackingState::kLost) {
+    return {RobotLight::kDegraded, "lost: the ceiling is not that of where the robot should be"};
+  }
   if (report.repaired && now - report.last_repair < kDegradedAfterRepair) {
     return {RobotLight::kDegraded, "the filter had to repair its numbers"};
   }

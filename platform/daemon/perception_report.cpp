@@ -21,6 +21,7 @@ void note_step(PerceptionReport& report, const StepOutput& output) {
   report.velocity = {v.x(), v.y(), v.z()};
   report.velocity_covariance = triangle(output.odometry.velocity_covariance);
   report.effective_sample_size = output.effective_sample_size;
+  report.tracking = output.tracking;
   report.corners = output.corners;
   report.candidates = output.candidates;
   report.matched = output.matched;

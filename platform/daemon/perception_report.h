@@ -47,6 +47,7 @@ struct PerceptionReport {
   std::array<double, 3> velocity = {};             // forward, left, turn
   std::array<double, 6> velocity_covariance = {};
   double effective_sample_size = 0.0;
+  TrackingState tracking = TrackingState::kTracking;
   int corners = 0;
   int candidates = 0;
   int matched = 0;

@@ -83,6 +83,10 @@ void write_map(JsonLine& line, const StepCounters& steps) {
       .count("rejected_full", m.landmarks_rejected_full)
       .count("loops_closed", m.loops_closed)
       .count("slips", m.slips)
+      .count("poses_recovered", m.poses_recovered)
+      .count("frames_held", m.frames_held)
+      .count("times_lost", m.times_lost)
+      .count("relocalised", m.relocalised)
       .count("begun_anew", m.begun_anew)
       .count("resamplings", m.resamplings)
       .end();
@@ -124,6 +128,7 @@ void write_pose(JsonLine& line, const PerceptionReport& report) {
       .numbers("pose", numbers_of(report.T_start_robot))
       .numbers("covariance", report.covariance)
       .number("effective_sample_size", report.effective_sample_size)
+      .text("tracking", state_name(report.tracking))
       .number("corners", report.corners)
       .number("candidates", report.candidates)
       .number("matched", report.matched)

@@ -60,10 +60,14 @@ int Hypothesis::expected() const {
   return sum;
 }
 
-double Hypothesis::score() const {
+double log_odds(int hits, int expected) {
   const double hit = std::log(kHitWhenRight / kHitWhenWrong);
   const double miss = std::log((1.0 - kHitWhenRight) / (1.0 - kHitWhenWrong));
-  return hit * hits() + miss * (expected() - hits());
+  return hit * hits + miss * (expected - hits);
+}
+
+double Hypothesis::score() const {
+  return log_odds(hits(), expected());
 }
 
 bool same_alignment(const Pose2& a, const Pose2& b, const Eigen::Vector2d& at) {

@@ -41,6 +41,10 @@ struct Hypothesis {
   double score() const;
 };
 
+// The log odds of a pose under which so many of the landmarks expected are found: the right one
+// against a wrong one on a ceiling of the same kind.
+double log_odds(int hits, int expected);
+
 // How often an expected landmark is found under the right alignment, and under a wrong one where
 // the ceiling repeats itself. Measured on the simulated worlds: 0.86 to 0.98, and 0.3 to 0.65 (0.8
 // to 0.89 where it repeats strictly, which is for the rivals to expose).

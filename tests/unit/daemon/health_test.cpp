@@ -52,6 +52,16 @@ TEST(Health, MapsAndMerges) {
   EXPECT_THAT(status_text(report, at(report, now)), HasSubstr("merged with 1 peer"));
 }
 
+TEST(Health, IsDegradedWhileTheRobotIsLost) {
+  const Time now = kStart + Duration{60 * kSecond};
+  PerceptionReport report = mapping(now);
+  report.tracking = TrackingState::kHeld;
+  EXPECT_EQ(at(report, now).light, RobotLight::kMapping);
+  report.tracking = TrackingState::kLost;
+  EXPECT_EQ(at(report, now).light, RobotLight::kDegraded);
+  EXPECT_THAT(at(report, now).reason, HasSubstr("lost"));
+}
+
 // For a while, so that somebody sees it.
 TEST(Health, IsDegradedAfterTheFilterHadToRepairItsNumbers) {
   const Time now = kStart + Duration{60 * kSecond};
