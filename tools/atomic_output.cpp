@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "platform/linux/errno_text.h"
+#include "platform/linux/lock_file.h"
 #include "platform/linux/whole_file.h"
 
 namespace zenith::tools {
@@ -40,13 +41,6 @@ void sweep(const fs::path& target) {
 
 UniqueFd open_folder(const fs::path& path) {
   return UniqueFd(::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
-}
-
-bool is_same_folder(int fd, const fs::path& path) {
-  struct stat opened = {};
-  struct stat there = {};
-  return ::fstat(fd, &opened) == 0 && ::lstat(path.c_str(), &there) == 0 &&
-         opened.st_dev == there.st_dev && opened.st_ino == there.st_ino;
 }
 
 Status check_target(const fs::path& target, bool force, std::string_view marker) {
@@ -85,7 +79,7 @@ Result<AtomicFolder> AtomicFolder::create(const fs::path& target, bool force,
     }
     UniqueFd lock = open_folder(temporary);
     // Swept by another program before it was locked: once more.
-    if (!lock.is_open() || !lock_file(lock.get()) || !is_same_folder(lock.get(), temporary)) {
+    if (!lock.is_open() || !lock_open(lock.get()) || !leads_to(temporary, lock.get())) {
       continue;
     }
     AtomicFolder made(place, temporary, std::move(lock));
@@ -112,7 +106,7 @@ AtomicFolder::~AtomicFolder() {
 
 Status AtomicFolder::commit(Replace how) {
   ::syncfs(lock_.get());
-  if (!is_same_folder(lock_.get(), temporary_)) {
+  if (!leads_to(temporary_, lock_.get())) {
     temporary_.clear();
     return Error{target_.string() +
                  ": somebody has exchanged what was written; nothing was put "
@@ -135,7 +129,7 @@ Status AtomicFolder::commit(Replace how) {
 Status AtomicFolder::replace(Replace how) {
   std::error_code ignored;
   const UniqueFd old_one = open_folder(target_);  // in use as long as it is here
-  if (old_one.is_open()) (void)lock_file(old_one.get());
+  if (old_one.is_open()) (void)lock_open(old_one.get());
   if (how == Replace::kExchange &&
       ::renameat2(AT_FDCWD, temporary_.c_str(), AT_FDCWD, target_.c_str(), RENAME_EXCHANGE) == 0) {
     fs::remove_all(temporary_, ignored);

@@ -82,14 +82,19 @@ std::span<const PastMap> MapKeeper::load() {
 }
 
 bool MapKeeper::take_folder(Time now) {
-  if (ours_ || now < next_try_) return ours_;
+  if (!ours_ && now < next_try_) return false;
   next_try_ = now + kLockRetry;
+  const bool was_ours = ours_;
   const storage::LockTry tried = folder_.lock(self_);
   ours_ = tried.ours();
   if (!ours_) {
     note_failure(tried.why);
     status_.write(told_);
     return false;
+  }
+  if (was_ours) {
+    if (!tried.why.empty()) log_lines(LogLevel::kWarning, "stored map: " + tried.why);
+    return true;
   }
   log_line(LogLevel::kNotice, LogFields("map-folder-taken"),
            "stored map: the folder is this program's from here on");

@@ -5,7 +5,9 @@
 //
 // The folder has one user (folder_lock.h). As long as that is another program the map is not kept,
 // which the status says; once it is free, this run's map goes beside what lies there, as one of a
-// run that ended before the robot found itself.
+// run that ended before the robot found itself. Each turn asks whether it still is this program's:
+// a run that lost it to another program keeps its map no more, for it knows other files than lie
+// there.
 //
 // On a thread of its own: a slow card may take seconds to sync. What it needs of the own map it
 // copies under a lock that is held for a millisecond at most and that perception never takes.

@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <pwd.h>
-#include <sys/file.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
@@ -136,34 +135,26 @@ std::string lock_path(const std::string& path) {
   return folder + "." + path.substr(folder.size()) + ".lock";
 }
 
-bool is_same_file(int fd, const std::string& path) {
-  struct stat opened = {};
-  struct stat there = {};
-  return ::fstat(fd, &opened) == 0 && ::lstat(path.c_str(), &there) == 0 &&
-         opened.st_dev == there.st_dev && opened.st_ino == there.st_ino;
-}
-
-// Of programs that begin at the same time one gets it. Its owner removes the file, so one that was
-// waited for may be gone: then again.
-Result<UniqueFd> take_lock(const std::string& path) {
-  constexpr int kTries = 100;
-  constexpr mode_t kOwnerAlone = 0600;
-  for (int i = 0; i < kTries; ++i) {
-    UniqueFd fd(
-        ::open(path.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK, kOwnerAlone));
-    if (!fd.is_open()) {
-      const int error = errno;
-      // Left behind by a daemon that another user ran here. check_free() found that it is gone.
-      if (error == EACCES && ::unlink(path.c_str()) == 0) continue;
-      return Error{path + ": " + errno_text(error) +
-                   "; the folder must be there and writable (RuntimeDirectory= in the unit)"};
-    }
-    if (::flock(fd.get(), LOCK_EX | LOCK_NB) != 0) {
-      return Error{"another program begins to listen there; give each daemon a socket of its own"};
-    }
-    if (is_same_file(fd.get(), path)) return fd;
+// Of programs that begin at the same time one gets it.
+Status take_lock(const std::string& path, LockFile& lock) {
+  LockFile::Try tried = lock.take(path);
+  // Left behind by a daemon that another user ran here. check_free() found that it is gone.
+  if (tried.error == EACCES && tried.state == LockFile::State::kFailed &&
+      ::unlink(path.c_str()) == 0) {
+    tried = lock.take(path);
   }
-  return Error{path + ": other programs take and leave it all the time"};
+  switch (tried.state) {
+    case LockFile::State::kOurs:
+      return {};
+    case LockFile::State::kOthers:
+      return Error{"another program begins to listen there; give each daemon a socket of its own"};
+    case LockFile::State::kUnsupported:
+      return Error{path + ": lies on a file system without locks; name a socket elsewhere"};
+    case LockFile::State::kFailed:
+      break;
+  }
+  return Error{path + ": " + tried.why +
+               "; the folder must be there and writable (RuntimeDirectory= in the unit)"};
 }
 
 }  // namespace
@@ -211,9 +202,7 @@ void LocalListener::close() {
     ::unlink(path_.c_str());
   }
   fd_.reset();
-  const std::string lock = lock_path(path_);
-  if (is_same_file(lock_.get(), lock)) ::unlink(lock.c_str());
-  lock_.reset();
+  lock_.remove();
   path_.clear();
 }
 
@@ -225,13 +214,11 @@ Result<LocalListener> listen_local(const std::string& path, int type, unsigned p
   if (folder == kServiceFolder && ::geteuid() == 0) ::mkdir(folder.c_str(), 0755);
   if (const Status safe = check_folder(folder); !safe) return safe.error();
   if (const Status free = check_free(path, type); !free) return free.error();
-  auto lock = take_lock(lock_path(path));
-  if (!lock) return lock.error();
+  LocalListener made;
+  if (const Status ours = take_lock(lock_path(path), made.lock_); !ours) return ours.error();
   // Only now nobody else can have begun meanwhile.
   if (const Status free = check_free(path, type); !free) return free.error();
   ::unlink(path.c_str());
-  LocalListener made;
-  made.lock_ = std::move(*lock);
   UniqueFd fd = make_socket(type);
   // The file is born with these rights, less those of the umask; nobody can connect before
   // listen().

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "platform/base/result.h"
+#include "platform/linux/lock_file.h"
 #include "platform/linux/unique_fd.h"
 
 namespace zenith {
@@ -44,7 +45,7 @@ class LocalListener {
 
   std::string path_;
   UniqueFd fd_;
-  UniqueFd lock_;
+  LockFile lock_;
   dev_t device_ = 0;  // of the socket's file
   ino_t inode_ = 0;
 };

@@ -3,7 +3,6 @@
 #include <dirent.h>
 #include <fcntl.h>
 #include <stdio.h>
-#include <sys/file.h>
 #include <sys/random.h>
 #include <unistd.h>
 
@@ -12,6 +11,7 @@
 #include <memory>
 
 #include "platform/linux/errno_text.h"
+#include "platform/linux/lock_file.h"
 
 namespace zenith {
 namespace {
@@ -56,7 +56,7 @@ Result<UniqueFd> create_partial(const Folder& folder, const std::string& target,
     if (!fd.is_open()) return error_now();
     struct stat made = {};
     // Swept by another program before it was locked: once more.
-    if (lock_file(fd.get()) && ::fstat(fd.get(), &made) == 0 && made.st_nlink > 0) return fd;
+    if (lock_open(fd.get()) && ::fstat(fd.get(), &made) == 0 && made.st_nlink > 0) return fd;
   }
   return Error{"cannot be written: no name beside it is free"};
 }
@@ -118,10 +118,6 @@ std::string partial_name(const fs::path& target, std::string_view kind) {
   return "." + target.filename().string() + std::string(kind) + digits;
 }
 
-bool lock_file(int fd) {
-  return ::flock(fd, LOCK_EX | LOCK_NB) == 0;
-}
-
 void sweep_partial(const fs::path& target, std::string_view kind,
                    const std::function<void(const fs::path&)>& remove) {
   const Folder folder = folder_of(target);
@@ -140,7 +136,7 @@ void sweep_partial(const fs::path& target, std::string_view kind,
         ::openat(folder.fd.get(), entry->d_name, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
     const bool ours = fd.is_open() && ::fstat(fd.get(), &info) == 0 && info.st_uid == ::geteuid() &&
                       (S_ISREG(info.st_mode) || S_ISDIR(info.st_mode));
-    if (ours && lock_file(fd.get())) remove(folder.path / entry->d_name);
+    if (ours && lock_open(fd.get())) remove(folder.path / entry->d_name);
   }
 }
 

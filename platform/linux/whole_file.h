@@ -38,9 +38,6 @@ int write_all(int fd, std::string_view content);
 inline constexpr std::string_view kPartial = ".partial-";
 std::string partial_name(const std::filesystem::path& target, std::string_view kind);
 
-// False when a living program holds it, also of another computer.
-bool lock_file(int fd);
-
 // Hands to `remove` what killed programs have left of `target`: its path; it is locked meanwhile.
 // Nothing in folders where others may give a name to what is not theirs.
 void sweep_partial(const std::filesystem::path& target, std::string_view kind,

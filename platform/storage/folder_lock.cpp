@@ -19,19 +19,10 @@
 namespace zenith::storage {
 namespace {
 
-constexpr int kMode = 0600;
 constexpr std::size_t kMostText = 256;  // what is read of the file
 
 std::string path_in(const std::string& folder) {
   return folder + "/lock";
-}
-
-// Of the whole file, by any program.
-struct flock whole_file() {
-  struct flock lock = {};
-  lock.l_type = F_WRLCK;
-  lock.l_whence = SEEK_SET;
-  return lock;
 }
 
 // What "key value" says in one of the lines.
@@ -62,33 +53,6 @@ bool write_user(int file, const FolderUser& user) {
          ::pwrite(file, text.data(), text.size(), 0) == static_cast<ssize_t>(text.size());
 }
 
-LockTry cannot(const std::string& path, const std::string& why) {
-  return {LockTry::State::kUnknown, "cannot lock " + path + ": " + why};
-}
-
-// Opens it, or makes it for the folder's owner. Never through a link, nor a file that has another
-// name elsewhere: it is written to.
-UniqueFd open_lock(const std::string& folder, std::string& why) {
-  constexpr int kFlags = O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK;
-  const std::string path = path_in(folder);
-  UniqueFd file(::open(path.c_str(), kFlags));
-  if (!file.is_open() && errno == ENOENT) {
-    file.reset(::open(path.c_str(), kFlags | O_CREAT | O_EXCL, kMode));
-    if (file.is_open()) give_to_owner_of(folder, file.get());
-    if (!file.is_open() && errno == EEXIST) file.reset(::open(path.c_str(), kFlags));
-  }
-  if (!file.is_open()) {
-    why = errno_text(errno) + folder_advice(errno);
-    return file;
-  }
-  struct stat info = {};
-  if (::fstat(file.get(), &info) != 0 || !S_ISREG(info.st_mode) || info.st_nlink != 1) {
-    why = "expected a regular file with one name; remove it";
-    file.reset();
-  }
-  return file;
-}
-
 }  // namespace
 
 FolderUser this_program(const std::string& robot) {
@@ -102,37 +66,65 @@ std::string user_text(const FolderUser& user) {
   return text + ")";
 }
 
-LockTry FolderLock::take(const std::string& folder, const FolderUser& self) {
-  if (file_.is_open()) return {LockTry::State::kOurs, ""};
+namespace {
+
+// `created`: it was not there.
+LockTry lock_folder(const std::string& folder, const FolderUser& self, LockFile& file,
+                    bool& created) {
   const std::string path = path_in(folder);
-  std::string why;
-  UniqueFd file = open_lock(folder, why);
-  if (!file.is_open()) return cannot(path, why);
-  struct flock lock = whole_file();
-  if (::fcntl(file.get(), F_OFD_SETLK, &lock) != 0) {
-    const int error = errno;
-    if (error == EOPNOTSUPP || error == ENOLCK || error == EINVAL || error == ENOSYS) {
-      file_ = std::move(file);
+  const LockFile::Try tried = file.take(path);
+  created = tried.created;
+  if (created) give_to_owner_of(folder, file.fd());
+  switch (tried.state) {
+    case LockFile::State::kOurs:
+      (void)write_user(file.fd(), self);  // for people: without it on a full disk
+      return {LockTry::State::kOurs, ""};
+    case LockFile::State::kUnsupported:
       return {LockTry::State::kOurs, folder +
                                          " lies on a file system without locks: see to it "
                                          "that one program alone keeps maps there"};
-    }
-    if (error != EAGAIN && error != EACCES) return cannot(path, errno_text(error));
-    return {LockTry::State::kOthers, folder + " is in use by " + user_text(read_user(file.get())) +
-                                         ": one program writes a folder of maps; stop that one, "
-                                         "or name another folder"};
+    case LockFile::State::kOthers:
+      return {LockTry::State::kOthers,
+              folder + " is in use by " + user_text(user_of(folder).value_or(FolderUser{})) +
+                  ": one program writes a folder of maps; stop that one, or name another folder"};
+    case LockFile::State::kFailed:
+      break;
   }
-  (void)write_user(file.get(), self);  // for people: a full disk is no reason to go without lock
-  file_ = std::move(file);
-  return {LockTry::State::kOurs, ""};
+  return {LockTry::State::kUnknown,
+          "cannot lock " + path + ": " + tried.why + folder_advice(tried.error)};
+}
+
+}  // namespace
+
+LockTry FolderLock::take(const std::string& folder, const FolderUser& self) {
+  if (!lost_.empty()) return {LockTry::State::kOthers, lost_};
+  bool created = false;
+  if (!file_.is_open()) return lock_folder(folder, self, file_, created);
+  if (file_.place() == LockFile::Place::kSame) return {LockTry::State::kOurs, ""};
+  return take_again(folder, self);
+}
+
+// The file that is ours lies there no more.
+LockTry FolderLock::take_again(const std::string& folder, const FolderUser& self) {
+  LockFile again;
+  bool created = false;
+  LockTry tried = lock_folder(folder, self, again, created);
+  if (tried.state == LockTry::State::kUnknown) return tried;
+  if (created && tried.ours()) {
+    file_ = std::move(again);
+    return {LockTry::State::kOurs, path_in(folder) + " was removed, and is made anew"};
+  }
+  again.close();
+  const auto user = user_of(folder);
+  lost_ = folder + (user ? " is in use by " + user_text(*user) : " was used by another program") +
+          ", for its file \"lock\" was exchanged: the maps may be others; stop that program and "
+          "start this one again";
+  return {LockTry::State::kOthers, lost_};
 }
 
 std::optional<FolderUser> user_of(const std::string& folder) {
-  const UniqueFd file(
-      ::open(path_in(folder).c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
-  struct flock lock = whole_file();
-  if (!file.is_open() || ::fcntl(file.get(), F_OFD_GETLK, &lock) != 0) return std::nullopt;
-  if (lock.l_type == F_UNLCK) return std::nullopt;
+  const UniqueFd file = open_locked(path_in(folder));
+  if (!file.is_open()) return std::nullopt;
   return read_user(file.get());
 }
 

@@ -1,7 +1,6 @@
 #pragma once
-// A folder of maps has one program that writes it. Who that is stands in the file "lock", on which
-// the kernel holds a lock for as long as the program lives: a program that was killed leaves no
-// lock behind. Asking who has it takes nothing.
+// A folder of maps has one program that writes it. Who that is stands in the file "lock", which
+// that program has locked (lock_file.h). Asking who has it takes nothing.
 //
 // Only programs that may write the folder can read or lock the file: others could keep the daemon
 // out.
@@ -10,7 +9,7 @@
 #include <string>
 #include <utility>
 
-#include "platform/linux/unique_fd.h"
+#include "platform/linux/lock_file.h"
 
 namespace zenith::storage {
 
@@ -40,11 +39,17 @@ struct LockTry {
 // One thread.
 class FolderLock {
  public:
-  // Again after it did not succeed, at will; also when it is ours already.
+  // Again at will, for the same folder: after it did not succeed, and before each writing. Somebody
+  // may have removed the file meanwhile; then it is made anew, with a warning. Where another file
+  // is in its place another program has had the folder, and may have changed what is in it: from
+  // then on it is kOthers for good.
   LockTry take(const std::string& folder, const FolderUser& self);
 
  private:
-  UniqueFd file_;  // open: ours
+  LockTry take_again(const std::string& folder, const FolderUser& self);
+
+  LockFile file_;     // open: ours
+  std::string lost_;  // to whom; empty: to nobody
 };
 
 // Whose folder it is, by the kernel: none when nobody has it, or when the lock cannot be looked at

@@ -46,7 +46,10 @@ void FaultyFolder::power_on() {
 
 LockTry FaultyFolder::lock(const FolderUser& /*self*/) {
   if (user_) return {LockTry::State::kOthers, "disk is in use by " + user_text(*user_)};
-  if (read_only_) return {LockTry::State::kUnknown, "cannot lock disk/lock: read-only (EROFS)"};
+  if (read_only_ && !locked_) {
+    return {LockTry::State::kUnknown, "cannot lock disk/lock: read-only (EROFS)"};
+  }
+  locked_ = true;
   return {LockTry::State::kOurs, ""};
 }
 

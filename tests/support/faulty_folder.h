@@ -64,6 +64,7 @@ class FaultyFolder final : public Folder {
   bool read_only_ = false;
   bool folder_sync_fails_ = false;
   std::optional<FolderUser> user_;
+  bool locked_ = false;  // once
   std::map<int, File> files_;
   int next_ = 0;
   int open_ = -1;

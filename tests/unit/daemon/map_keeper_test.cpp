@@ -271,6 +271,22 @@ TEST_F(MapKeeperTest, AFolderOfAnotherProgramIsLeftAloneUntilItIsFree) {
   EXPECT_EQ(stored("session-1").landmarks.size(), MapKeeper::kNewMap);
 }
 
+TEST_F(MapKeeperTest, AFolderThatWasLostToAnotherProgramIsNotWritten) {
+  MapKeeper keeper(folder_, own_.head, kInterval);
+  keeper.load();
+  keeper.note(own_.landmarks[0]);
+  keeper.turn_once(at(0), {});
+  EXPECT_EQ(status(keeper).written, 1u);
+  folder_.set_user(storage::FolderUser{812, "zenithd", "bert"});
+  const int changes = folder_.changes();
+  keeper.note(own_.landmarks[1]);
+  keeper.turn_once(at(6), {});
+  keeper.finish(at(7), {});
+  EXPECT_EQ(folder_.changes(), changes);
+  EXPECT_TRUE(status(keeper).failing);
+  EXPECT_NE(status(keeper).error.view().find("robot bert"), std::string_view::npos);
+}
+
 TEST_F(MapKeeperTest, AFolderThatCannotBeChangedIsReadAndToldOf) {
   store_a_map(30);
   folder_.put("session-1-0.zenmap", {1, 2, 3});

@@ -77,6 +77,38 @@ TEST_F(FolderLockTest, IsGoneWithTheProgramThatHadIt) {
   ::close(ends[1]);
 }
 
+// The kernel locks the file and not its name.
+TEST_F(FolderLockTest, AFileThatWasRemovedIsMadeAnewBeforeASecondGetsIn) {
+  FolderLock first;
+  ASSERT_TRUE(first.take(folder_, {812, "zenithd", "ada"}).ours());
+  fs::remove(file_);
+  const LockTry again = first.take(folder_, {812, "zenithd", "ada"});
+  EXPECT_TRUE(again.ours());
+  EXPECT_THAT(again.why, HasSubstr("removed"));
+  EXPECT_EQ(first.take(folder_, {812, "zenithd", "ada"}).why, "") << "said once";
+  FolderLock second;
+  EXPECT_EQ(second.take(folder_, this_program("bert")).state, State::kOthers);
+  EXPECT_EQ(user_of(folder_)->robot, "ada");
+}
+
+TEST_F(FolderLockTest, WhoLostItToAnotherProgramIsToldAndDoesNotGetItBack) {
+  for (const bool in_use : {true, false}) {
+    FolderLock first;
+    ASSERT_TRUE(first.take(folder_, {812, "zenithd", "ada"}).ours());
+    fs::remove(file_);
+    FolderLock second;
+    ASSERT_TRUE(second.take(folder_, {813, "zenithd", "bert"}).ours());
+    if (!in_use) second = {};
+    const LockTry lost = first.take(folder_, {812, "zenithd", "ada"});
+    EXPECT_EQ(lost.state, State::kOthers);
+    EXPECT_EQ(lost.why.find("robot bert") != std::string::npos, in_use) << lost.why;
+    second = {};
+    fs::remove(file_);
+    EXPECT_EQ(first.take(folder_, {812, "zenithd", "ada"}).state, State::kOthers)
+        << "what lies there may be another map";
+  }
+}
+
 // Somebody who may write the folder put something else in the file's place.
 TEST_F(FolderLockTest, WritesThroughNoLinkAndWaitsForNoPipe) {
   const fs::path victim = temporary_.path() / "victim";
