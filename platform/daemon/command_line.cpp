@@ -44,7 +44,8 @@ camera and CAN bus.
 
 Signals: SIGHUP reads the file again and takes over what may change while running, and the fleet's
 key; a file with a mistake changes nothing and the log says what is wrong. SIGTERM and SIGINT end
-the program as soon as the map is on the disk, mostly within a second.
+the program as soon as the map is on the disk, mostly within a second. Others that would end it,
+such as SIGUSR1 and SIGALRM, are ignored; SIGQUIT and those of faults are not.
 
 It tells how it is on standard error (journald's levels when started by systemd), on LEDs, and on
 a local socket, a line of JSON each:
@@ -179,7 +180,7 @@ int check(const DaemonConfig& config, MakeDevices make_devices) {
   return 0;
 }
 
-int run(int argc, char** argv, MakeDevices make_devices) {
+int run(int argc, char** argv, MakeDevices make_devices, Signals& signals) {
   const std::string name(base_name(argv[0]));
   const auto arguments = parse(argc, argv);
   if (!arguments) {
@@ -206,11 +207,6 @@ int run(int argc, char** argv, MakeDevices make_devices) {
     return 2;
   }
   use_isa(*isa);
-  Signals signals;
-  if (const Status opened = signals.open(); !opened) {
-    std::fprintf(stderr, "%s: %s\n", name.c_str(), opened.error().message.c_str());
-    return 1;
-  }
   const auto config = read_daemon_config(arguments->config);
   if (!config) {
     std::fprintf(stderr, "%s\n", config.error().message.c_str());
@@ -223,10 +219,16 @@ int run(int argc, char** argv, MakeDevices make_devices) {
 }  // namespace
 
 int daemon_main(int argc, char** argv, MakeDevices make_devices) {
+  make_output_printable();  // first, for it takes the numbers of closed standard files
+  Signals signals;
+  const Status opened = signals.open(SignalRequest::kReload);
   pin_heap();
-  make_output_printable();
+  if (!opened) {
+    std::fprintf(stderr, "zenithd: error: %s\n", opened.error().message.c_str());
+    return 1;
+  }
   try {
-    return run(argc, argv, make_devices);
+    return run(argc, argv, make_devices, signals);
   } catch (const std::exception& error) {
     process_log().drain(monotonic_now());  // what was said before it
     std::fprintf(stderr, "zenithd: error: %s\n", error.what());

@@ -1,5 +1,6 @@
 #include "platform/linux/printable_output.h"
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <array>
@@ -88,9 +89,18 @@ std::FILE* printable_stream(std::FILE* stream, Output& out, int buffering) {
   return made;
 }
 
+// The lowest free number is given: in this order each gets its own. Not closed by exec(): a child
+// would have the same trouble.
+void take_standard_numbers() {
+  for (const int fd : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (::fcntl(fd, F_GETFD) < 0 && errno == EBADF) (void)::open("/", O_PATH);
+  }
+}
+
 }  // namespace
 
 void make_output_printable() {
+  take_standard_numbers();
   static Output out = {STDOUT_FILENO};
   static Output errors = {STDERR_FILENO};
   stdout = printable_stream(stdout, out, ::isatty(STDOUT_FILENO) == 1 ? _IOLBF : _IOFBF);

@@ -8,8 +8,11 @@
 
 namespace zenith {
 
-// For main(), before anything is printed and before other threads start. What goes past stdio and
-// streams (write(), child processes) stays as it is.
+// For main(), before anything is printed or opened and before other threads start. What goes past
+// stdio and streams (write(), child processes) stays as it is.
+//
+// Of standard input, output and error it takes the numbers of those that are closed, lest a file or
+// socket gets one of them and what is printed goes there. Reading and writing fail as before.
 void make_output_printable();
 
 // Bytes for the terminal at standard error as they are: our own words that move the cursor.

@@ -24,17 +24,42 @@ void hand_on(int signal) {
   errno = error;
 }
 
+// But what a library, such as a profiler's, has taken for itself.
+void ignore_what_nobody_asked_for() {
+  const sigset_t ignored = ignored_signals();
+  for (int signal = 1; signal <= SIGRTMAX; ++signal) {
+    struct sigaction before = {};
+    if (sigismember(&ignored, signal) != 1 || sigaction(signal, nullptr, &before) != 0) continue;
+    if (before.sa_handler == SIG_DFL) std::signal(signal, SIG_IGN);
+  }
+}
+
 }  // namespace
 
-Status Signals::open() {
+sigset_t ignored_signals() {
+  sigset_t set;
+  sigemptyset(&set);
+  for (const int signal : {SIGPIPE, SIGUSR1, SIGUSR2, SIGALRM, SIGVTALRM, SIGPROF, SIGIO, SIGPWR,
+                           SIGSTKFLT, SIGXFSZ}) {
+    sigaddset(&set, signal);
+  }
+  for (int signal = SIGRTMIN; signal <= SIGRTMAX; ++signal) sigaddset(&set, signal);
+  return set;
+}
+
+Status Signals::open(SignalRequest hang_up) {
   sigset_t set;
   sigemptyset(&set);
   receiver = static_cast<pid_t>(syscall(SYS_gettid));
+  hang_up_ = hang_up;
   for (const int signal : {SIGTERM, SIGINT, SIGHUP}) {
-    sigaddset(&set, signal);
     struct sigaction before = {};
     sigaction(signal, nullptr, &before);
-    if (before.sa_handler == SIG_IGN) continue;  // as nohup and a shell's & want it
+    const bool is_ignored = before.sa_handler == SIG_IGN;  // as nohup and a shell's & want it
+    // Blocked, it would come all the same.
+    if (is_ignored && signal == SIGHUP && hang_up == SignalRequest::kStop) continue;
+    sigaddset(&set, signal);
+    if (is_ignored) continue;
     struct sigaction action = {};
     action.sa_handler = hand_on;
     action.sa_flags = SA_RESTART;
@@ -42,7 +67,7 @@ Status Signals::open() {
   }
   int error = pthread_sigmask(SIG_BLOCK, &set, nullptr);
   if (error == 0) {
-    std::signal(SIGPIPE, SIG_IGN);
+    ignore_what_nobody_asked_for();
     fd_.reset(signalfd(-1, &set, SFD_CLOEXEC | SFD_NONBLOCK));
     if (fd_.is_open()) return {};
     error = errno;
@@ -58,7 +83,7 @@ std::optional<SignalRequest> Signals::wait(Duration timeout) {
   if (::ppoll(&poll_fd, 1, &limit, nullptr) != 1) return std::nullopt;
   signalfd_siginfo info = {};
   if (::read(fd_.get(), &info, sizeof(info)) != sizeof(info)) return std::nullopt;
-  return info.ssi_signo == SIGHUP ? SignalRequest::kReload : SignalRequest::kStop;
+  return info.ssi_signo == SIGHUP ? hang_up_ : SignalRequest::kStop;
 }
 
 }  // namespace zenith

@@ -1,5 +1,12 @@
 // zenithd as a whole, as the service manager starts it, with a simulated robot.
 
+#include <fcntl.h>
+#include <sys/ioctl.h>
+#include <sys/stat.h>
+
+#include <array>
+#include <memory>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -219,6 +226,49 @@ TEST_F(DaemonTest, EndsOnInterruptAlsoRightAfterItsStart) {
   EXPECT_EQ(daemon.wait(kLimit_s), 0) << read_text(errors_);
 }
 
+// Nobody reads what it prints, so that it has begun and not ended.
+TEST_F(DaemonTest, AHangUpInItsFirstMomentsDoesNotEndIt) {
+  const std::string pipe = (folder_.path() / "pipe").string();
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  const UniqueFd reader(::open(pipe.c_str(), O_RDONLY | O_NONBLOCK));
+  const UniqueFd writer(::open(pipe.c_str(), O_WRONLY | O_NONBLOCK));
+  ASSERT_GT(::fcntl(writer.get(), F_SETPIPE_SZ, 4096), 0);
+  Process daemon({ZENITHD_SIM, "--print-reference"}, pipe, errors_);
+  int filled = 0;
+  ASSERT_TRUE(wait_until(
+      kLimit_s, [&] { return ::ioctl(reader.get(), FIONREAD, &filled) == 0 && filled > 2048; }));
+  for (const int signal : {SIGHUP, SIGUSR1, SIGALRM}) daemon.send(signal);
+  int code = -1;
+  std::array<char, 4096> text;
+  EXPECT_TRUE(wait_until(kLimit_s, [&] {
+    while (::read(reader.get(), text.data(), text.size()) > 0) {
+    }
+    code = daemon.wait(0.0);
+    return code >= 0;
+  }));
+  EXPECT_EQ(code, 0);
+}
+
+// Started with some of standard input, output and error closed: no socket and no file gets their
+// numbers, and with them what is printed.
+TEST_F(DaemonTest, ClosedStandardFilesAreNotTakenForOthers) {
+  configure("[record]\nenabled = false\n");
+  write_text(folder_.path() / "start", "exec \"$@\" <&- >&- 2>&-\n");
+  Process daemon({"/bin/sh", (folder_.path() / "start").string(), ZENITHD_SIM, "--config", file_},
+                 output_, errors_);
+  std::unique_ptr<LineReader> reader;
+  ASSERT_TRUE(wait_until(kLimit_s, [&] {
+    reader = std::make_unique<LineReader>(socket_);
+    return reader->connected();
+  }));
+  for (const char* fd : {"0", "1", "2"}) {
+    const std::string link = "/proc/" + std::to_string(daemon.pid()) + "/fd/" + fd;
+    EXPECT_EQ(fs::read_symlink(link), "/") << fd;
+  }
+  daemon.send(SIGTERM);
+  EXPECT_EQ(daemon.wait(kLimit_s), 0);
+}
+
 // No camera, no CAN bus: READY all the same, and what is missing is told again and again.
 TEST_F(DaemonTest, RealDevicesMayBeMissing) {
   write_text(file_,
@@ -355,6 +405,10 @@ TEST_F(DaemonTest, AFolderOfMapsHasOneUser) {
   Process first({ZENITHD_SIM, "--config", file_}, output_, errors_);
   ASSERT_TRUE(wait_until(kLimit_s, [&] { return fs::exists(maps / "map-0.zenmap"); }))
       << read_text(errors_);
+  // Whoever tidies up does not let a second one in.
+  fs::remove(maps / "lock");
+  EXPECT_TRUE(wait_until(kLimit_s, [&] { return storage::user_of(maps).has_value(); }));
+  EXPECT_TRUE(logged("was removed, and is made anew"));
   const std::string second_log = (folder_.path() / "second.log").string();
   Process second({ZENITHD_SIM, "--config", second_file}, output_ + "2", second_log);
   const std::string who = "zenithd-sim (pid " + std::to_string(first.pid()) + ", robot ada)";

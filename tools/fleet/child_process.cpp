@@ -10,6 +10,7 @@
 
 #include "platform/linux/clock.h"
 #include "platform/linux/errno_text.h"
+#include "platform/linux/signals.h"
 
 namespace zenith::tools {
 
@@ -27,16 +28,14 @@ int spawn(pid_t& pid, const std::vector<std::string>& words,
   std::vector<char*> arguments;
   for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
   arguments.push_back(nullptr);
-  // Signals that this program blocks or ignores (platform/linux/signals.h) reach it as usual.
+  // Signals that this program blocks or ignores reach it as usual.
   sigset_t none;
-  sigset_t pipe;
+  const sigset_t ignored = ignored_signals();
   ::sigemptyset(&none);
-  ::sigemptyset(&pipe);
-  ::sigaddset(&pipe, SIGPIPE);
   posix_spawnattr_t attributes;
   ::posix_spawnattr_init(&attributes);
   ::posix_spawnattr_setsigmask(&attributes, &none);
-  ::posix_spawnattr_setsigdefault(&attributes, &pipe);
+  ::posix_spawnattr_setsigdefault(&attributes, &ignored);
   ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
   const int error =
       ::posix_spawnp(&pid, arguments[0], &actions, &attributes, arguments.data(), environ);

@@ -77,7 +77,7 @@ void add_options(CLI::App& app, Arguments& a) {
                "no transforms between robots' maps: for all bridges but one");
 }
 
-int run(Arguments& a) {
+int run(Arguments& a, Signals& signals) {
   auto robots = tools::parse_robot_addresses(a.robots);
   if (!robots) return fail(robots.error());
   if (a.names == "never" && robots->size() > 1) {
@@ -91,8 +91,6 @@ int run(Arguments& a) {
   a.options.transforms = !a.no_tf;
   a.options.peers_transforms = !a.no_peers_tf;
   Log& log = process_log();
-  Signals signals;
-  if (const Status opened = signals.open(); !opened) return fail(opened.error());
   auto bridge = ros2::Bridge::start(a.options, std::move(*robots));
   if (!bridge) return fail(bridge.error());
   log_line(LogLevel::kNotice, "in DDS domain %u", a.options.domain);
@@ -109,12 +107,14 @@ int run(Arguments& a) {
 
 int main(int argc, char** argv) {
   make_output_printable();
+  Signals signals;
+  if (const Status opened = signals.open(); !opened) return fail(opened.error());
   CLI::App app("Zenith's robots as ROS 2's topics.", "zenith-ros2");
   Arguments arguments;
   try {
     add_options(app, arguments);
     app.parse(argc, argv);
-    return run(arguments);
+    return run(arguments, signals);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   } catch (const std::exception& error) {

@@ -1,10 +1,12 @@
 #include "platform/linux/signals.h"
 
 #include <pthread.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <atomic>
 #include <csignal>
+#include <cstring>
 #include <thread>
 
 #include <gtest/gtest.h>
@@ -20,7 +22,7 @@ class SignalsTest : public ::testing::Test {
   void SetUp() override {
     pthread_sigmask(SIG_SETMASK, nullptr, &mask_);
     pipe_ = std::signal(SIGPIPE, SIG_DFL);
-    ASSERT_TRUE(signals_.open().ok());
+    ASSERT_TRUE(signals_.open(SignalRequest::kReload).ok());
   }
   void TearDown() override {
     while (signals_.wait({}).has_value()) {
@@ -79,6 +81,58 @@ TEST_F(SignalsTest, AThreadThatDoesNotBlockThemHandsThemOn) {
   EXPECT_EQ(signals_.wait(kPatience), SignalRequest::kReload);
   done = true;
   other.join();
+}
+
+// What a process of its own ends with: `act` returns its exit code.
+template <typename Act>
+int end_of(const Act& act) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    sigset_t none = {};
+    sigemptyset(&none);
+    pthread_sigmask(SIG_SETMASK, &none, nullptr);
+    for (int signal = 1; signal <= SIGRTMAX; ++signal) std::signal(signal, SIG_DFL);
+    ::_exit(act());
+  }
+  int status = 0;
+  EXPECT_EQ(::waitpid(child, &status, 0), child);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
+TEST(Signals, WhatNobodyAskedForEndsNoProgram) {
+  for (const int signal : {SIGUSR1, SIGUSR2, SIGALRM, SIGVTALRM, SIGPROF, SIGIO, SIGPWR, SIGPIPE,
+                           SIGXFSZ, SIGRTMIN, SIGRTMAX}) {
+    EXPECT_EQ(end_of([signal] {
+                Signals signals;
+                if (!signals.open().ok()) return 1;
+                ::kill(::getpid(), signal);
+                return signals.wait({}).has_value() ? 2 : 0;
+              }),
+              0)
+        << strsignal(signal);
+  }
+  EXPECT_EQ(end_of([] {
+              Signals signals;
+              if (!signals.open().ok()) return 1;
+              ::kill(::getpid(), SIGQUIT);
+              return 0;
+            }),
+            128 + SIGQUIT)
+      << "for whoever wants a core";
+}
+
+// Of a program in a terminal: the window is closed. nohup is there to outlive that.
+TEST(Signals, HangingUpStopsAProgramInATerminalUnlessItIsIgnored) {
+  for (const bool ignored : {false, true}) {
+    EXPECT_EQ(end_of([ignored] {
+                if (ignored) std::signal(SIGHUP, SIG_IGN);
+                Signals signals;
+                if (!signals.open().ok()) return 1;
+                ::kill(::getpid(), SIGHUP);
+                return signals.wait({}) == SignalRequest::kStop ? 7 : 0;
+              }),
+              ignored ? 0 : 7);
+  }
 }
 
 TEST_F(SignalsTest, AReaderThatLeftDoesNotEndUs) {
