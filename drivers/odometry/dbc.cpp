@@ -231,7 +231,7 @@ Result<DbcFile> parse_dbc(std::string_view text, const std::string& path) {
 }
 
 Result<DbcFile> load_dbc(const std::string& path) {
-  const auto text = read_input(path, kMaxDbcBytes);
+  const auto text = read_text_input(path, kMaxDbcBytes);
   if (text) return parse_dbc(*text, path);
   return Error{text.error().message + "; expected the base's DBC file there"};
 }

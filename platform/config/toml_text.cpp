@@ -170,7 +170,7 @@ std::optional<Unfit> find_control_character(std::string_view text) {
 }  // namespace
 
 Result<std::string> read_toml(const std::filesystem::path& path) {
-  return read_input(path.string(), kMaxTomlBytes);
+  return read_text_input(path.string(), kMaxTomlBytes);
 }
 
 toml::parse_result parse_toml(std::string_view text) {

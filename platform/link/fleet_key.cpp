@@ -1,6 +1,5 @@
 #include "platform/link/fleet_key.h"
 
-#include <fcntl.h>
 #include <sodium.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -12,7 +11,7 @@
 
 #include "platform/base/ensure.h"
 #include "platform/linux/errno_text.h"
-#include "platform/linux/unique_fd.h"
+#include "platform/linux/input_file.h"
 #include "platform/linux/whole_file.h"
 
 namespace zenith {
@@ -43,43 +42,26 @@ Error error_of(const fs::path& file, const std::string& what) {
   return Error{"key file " + file.string() + ": " + what};
 }
 
-// Others' eyes and hands are kept off the key, or it is none.
-Status check_rights(const fs::path& file, const struct stat& info) {
-  const std::string name = file.string();
-  if (!S_ISREG(info.st_mode)) return error_of(file, "is no regular file");
-  if (info.st_uid != 0 && info.st_uid != ::geteuid()) {
-    return error_of(file, "belongs to user " + std::to_string(info.st_uid) +
-                              ", who may change it; please run: chown root " + name);
-  }
-  if ((info.st_mode & 0007) != 0 || (info.st_mode & 0030) != 0) {
-    return error_of(file,
-                    "may be read or changed by others than its owner and its group's "
-                    "readers; please run: chmod " +
-                        std::string((info.st_mode & 0040) != 0 ? "640 " : "600 ") + name +
-                        "\nand when others may have read it: zenith key rotate " + name);
-  }
-  return {};
-}
-
 Status read_text(const fs::path& file, SecretText& out, struct stat& info) {
-  const UniqueFd fd(::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
-  if (!fd.is_open()) {
-    const int error = errno;
-    return error_of(
-        file, errno_text(error) + (error == ENOENT ? "; `zenith key new " + file.string() +
-                                                         "` makes one, to be copied to all robots"
-                                                   : ""));
+  if (::stat(file.c_str(), &info) != 0 && errno == ENOENT) {
+    return error_of(file, errno_text(ENOENT) + "; `zenith key new " + file.string() +
+                              "` makes one, to be copied to all robots");
   }
-  if (::fstat(fd.get(), &info) != 0) return error_of(file, errno_text(errno));
-  if (const Status good = check_rights(file, info); !good) return good;
-  while (out.size < out.text.size()) {
-    const ssize_t count = ::read(fd.get(), out.text.data() + out.size, out.text.size() - out.size);
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0) return error_of(file, errno_text(errno));
-    if (count == 0) return {};
-    out.size += static_cast<std::size_t>(count);
+  const auto opened = open_secret(file.string());
+  if (!opened) {
+    const bool known = S_ISREG(info.st_mode) && (info.st_mode & S_IRWXO) != 0;
+    return Error{
+        "key file " + opened.error().message +
+        (known ? "\nand when others may have read it: zenith key rotate " + file.string() : "")};
   }
-  return error_of(file, "is longer than a key file");
+  if (::fstat(opened->fd.get(), &info) != 0) return error_of(file, errno_text(errno));
+  const std::ptrdiff_t size = read_fully(opened->fd.get(), out.text.data(), out.text.size());
+  if (size < 0) return error_of(file, errno_text(errno));
+  if (static_cast<std::size_t>(size) == out.text.size()) {
+    return error_of(file, "is longer than a key file");
+  }
+  out.size = static_cast<std::size_t>(size);
+  return {};
 }
 
 std::string_view trimmed(std::string_view line) {
@@ -114,6 +96,7 @@ bool parse_key(std::string_view line, SecretKey& out) {
 }
 
 Status parse(const fs::path& file, std::string_view text, FleetKeys& out) {
+  text = without_mark(text);
   if (next_line(text) != kHeader) {
     return error_of(file, "does not begin with the line \"" + std::string(kHeader) +
                               "\"; is it a key file? `zenith key new` makes one");
@@ -230,6 +213,12 @@ namespace {
 // The file is replaced as a whole by what `change` makes of its keys.
 template <typename Change>
 Status change_file(const fs::path& file, Change change) {
+  // Only the link would be replaced, and whoever else reads the file would keep the old key.
+  std::error_code ignored;
+  if (fs::is_symlink(file, ignored)) {
+    return error_of(file, "is a link, and nothing was changed; please name the file itself: " +
+                              fs::weakly_canonical(file, ignored).string());
+  }
   SecretText old_text;
   struct stat info = {};
   if (const Status read = read_text(file, old_text, info); !read) return read;

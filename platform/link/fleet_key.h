@@ -68,7 +68,7 @@ Result<FleetKeys> read_fleet_keys(const std::filesystem::path& file);
 Status create_fleet_key(const std::filesystem::path& file);
 
 // A new key in front of the present one. The file is replaced as a whole, with the same owner and
-// rights.
+// rights. A link is refused.
 Status rotate_fleet_key(const std::filesystem::path& file);
 
 // Of two keys the one that only opened seals from now on, and the other way round. The file is

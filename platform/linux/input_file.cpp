@@ -38,6 +38,15 @@ Status check_kind(const std::string& path, const struct stat& info) {
                kind_text(info.st_mode)};
 }
 
+constexpr std::string_view kMark = "\xef\xbb\xbf";
+
+// That a text does not begin with the mark of UTF-16, in which each second byte is zero.
+Status check_encoding(std::string_view text, const std::string& path) {
+  const std::string_view begin = text.substr(0, 2);
+  if (begin != "\xff\xfe" && begin != "\xfe\xff") return {};
+  return Error{path + ": expected a text in UTF-8, found one in UTF-16; please save it as UTF-8"};
+}
+
 }  // namespace
 
 std::string bytes_text(std::uint64_t bytes) {
@@ -96,6 +105,36 @@ Result<std::string> read_input(const std::string& path, std::uint64_t most) {
   }
 }
 
+std::string_view without_mark(std::string_view text) {
+  return text.substr(text.substr(0, kMark.size()) == kMark ? kMark.size() : 0);
+}
+
+Result<std::string> read_text_input(const std::string& path, std::uint64_t most) {
+  auto text = read_input(path, most);
+  if (!text) return text;
+  if (const Status readable = check_encoding(*text, path); !readable) return readable.error();
+  text->erase(0, text->size() - without_mark(*text).size());
+  return text;
+}
+
+Result<InputFile> open_secret(const std::string& path) {
+  auto file = open_input(path);
+  struct stat info = {};
+  if (!file) return file;
+  if (::fstat(file->fd.get(), &info) != 0) return cannot_read(path, errno);
+  if (info.st_uid != 0 && info.st_uid != ::geteuid()) {
+    return Error{path + ": belongs to user " + std::to_string(info.st_uid) +
+                 ", who knows it and may change it; please run: chown root " + path};
+  }
+  constexpr mode_t kOfOthers = S_IRWXO | S_IWGRP | S_IXGRP;
+  if ((info.st_mode & kOfOthers) != 0) {
+    return Error{path + ": may be read or changed by others than its owner and its group's " +
+                 "readers; please run: chmod " + ((info.st_mode & S_IRGRP) != 0 ? "640 " : "600 ") +
+                 path};
+  }
+  return file;
+}
+
 Result<InputLines> InputLines::open(const std::string& path, const LineLimits& limits) {
   auto file = open_input(path);
   if (!file) return file.error();
@@ -152,7 +191,12 @@ bool InputLines::next(std::string_view& line) {
   at_ += taken;
   rest_.remove_prefix(fd_.is_open() ? 0 : taken);
   if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
-  return true;
+  if (number_ == 1) {
+    status_ = check_encoding(line, name_);
+    line = without_mark(line);
+  }
+  ended_ = !status_.ok();
+  return !ended_;
 }
 
 }  // namespace zenith

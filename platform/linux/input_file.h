@@ -28,6 +28,15 @@ std::ptrdiff_t read_fully(int fd, char* room, std::size_t bytes);
 // The whole file. One that is larger than `most` is an error and is not read.
 Result<std::string> read_input(const std::string& path, std::uint64_t most);
 
+// The same of a text in UTF-8. The mark (BOM) with which some editors begin it is left out; UTF-16
+// is an error that says so.
+Result<std::string> read_text_input(const std::string& path, std::uint64_t most);
+std::string_view without_mark(std::string_view text);
+
+// A regular file that holds a secret, or a link to one: of this user or root, written by its owner
+// alone, read by the owner's group at most. The error names the command that mends it.
+Result<InputFile> open_secret(const std::string& path);
+
 // "3 MB", for sizes in messages.
 std::string bytes_text(std::uint64_t bytes);
 
@@ -37,7 +46,8 @@ struct LineLimits {
   std::size_t line_bytes = 4096;
 };
 
-// The lines of a file, or of a text that is in memory already. The memory taken is that of a line.
+// The lines of a file, or of a text that is in memory already, without a mark as above. The memory
+// taken is that of a line.
 //
 //   while (lines.next(line)) ...
 //   if (!lines.status()) return lines.status().error();     it ended before its end

@@ -143,7 +143,7 @@ Result<SensorFile> read_sensor_file(const std::filesystem::path& path) {
   if (!std::filesystem::exists(path, code)) {
     return Error{path.string() + ": missing: a recording holds its camera's calibration there"};
   }
-  const auto text = read_input(path.string(), kMaxSensorFileBytes);
+  const auto text = read_text_input(path.string(), kMaxSensorFileBytes);
   if (!text) return text.error();
   return parse_sensor_file(*text, path.string());
 }

@@ -180,7 +180,7 @@ Result<Lenses> parse_foreign_lenses(const std::string& text, const std::string& 
 }
 
 Result<Lenses> read_foreign_lenses(const std::filesystem::path& path) {
-  const auto text = read_input(path.string(), kMaxCalibrationBytes);
+  const auto text = read_text_input(path.string(), kMaxCalibrationBytes);
   if (!text) return text.error();
   return parse_foreign_lenses(*text, path.string());
 }

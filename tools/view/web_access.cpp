@@ -1,9 +1,7 @@
 #include "tools/view/web_access.h"
 
 #include <arpa/inet.h>
-#include <fcntl.h>
 #include <sys/random.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -11,7 +9,8 @@
 #include <cerrno>
 
 #include "platform/linux/errno_text.h"
-#include "platform/linux/unique_fd.h"
+#include "platform/linux/input_file.h"
+#include "platform/linux/whole_file.h"
 
 namespace zenith::tools {
 namespace {
@@ -69,16 +68,8 @@ bool is_token_text(std::string_view text) {
 Result<std::string> write_token(const std::string& path) {
   auto token = new_token();
   if (!token) return token.error();
-  constexpr int kFlags = O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC;
-  const UniqueFd file(::open(path.c_str(), kFlags, 0600));
-  if (!file.is_open()) return token_error(path, errno_text(errno));
-  const std::string line = *token + "\n";
-  const bool written =
-      ::write(file.get(), line.data(), line.size()) == static_cast<ssize_t>(line.size());
-  if (!written || ::fsync(file.get()) != 0) {
-    (void)::unlink(path.c_str());
-    return token_error(path, "the new token could not be written: is the disk full?");
-  }
+  const Status written = write_whole_file(path, *token + "\n", {.replace = false, .mode = 0600});
+  if (!written) return token_error(path, "the new token " + written.error().message);
   return token;
 }
 
@@ -145,23 +136,11 @@ Result<std::string> new_token() {
 }
 
 Result<std::string> token_of_file(const std::string& path) {
-  const UniqueFd file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
-  if (!file.is_open()) {
-    return errno == ENOENT ? write_token(path) : token_error(path, errno_text(errno));
-  }
-  struct stat about = {};
-  if (::fstat(file.get(), &about) != 0 || !S_ISREG(about.st_mode)) {
-    return token_error(path, "expected a file");
-  }
-  if (about.st_uid != 0 && about.st_uid != ::geteuid()) {
-    return token_error(path, "belongs to user " + std::to_string(about.st_uid) +
-                                 ", who knows the token; expected a file of yours or of root");
-  }
-  if ((about.st_mode & (S_IROTH | S_IWOTH | S_IWGRP)) != 0) {
-    return token_error(path, "others may read or change it; `chmod 640` or 600 mends that");
-  }
+  if (::access(path.c_str(), F_OK) != 0 && errno == ENOENT) return write_token(path);
+  const auto file = open_secret(path);
+  if (!file) return file.error();
   std::array<char, kLongest + 2> text;
-  const ssize_t size = ::read(file.get(), text.data(), text.size());
+  const std::ptrdiff_t size = read_fully(file->fd.get(), text.data(), text.size());
   std::string_view token(text.data(), size > 0 ? static_cast<std::size_t>(size) : 0);
   if (!token.empty() && token.back() == '\n') token.remove_suffix(1);
   if (!is_token_text(token)) {

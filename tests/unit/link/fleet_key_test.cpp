@@ -58,6 +58,11 @@ TEST_F(FleetKeyTest, ReadsBase64AndHex) {
   EXPECT_EQ(hint_text(key_hint(first)), "2439");
 }
 
+TEST_F(FleetKeyTest, AnEditorsMarkIsPassedOver) {
+  write("\xef\xbb\xbfzenith-fleet-key 1\r\n" + hex_ + "\r\n");
+  EXPECT_EQ(error(), "");
+}
+
 TEST_F(FleetKeyTest, ReadsThePreviousKey) {
   write("zenith-fleet-key 1\n" + std::string(64, 'a') + "\n" + hex_ + "\n");
   const auto keys = read_fleet_keys(file_);
@@ -89,7 +94,8 @@ TEST_F(FleetKeyTest, SaysWhatIsWrong) {
   EXPECT_THAT(error(), HasSubstr("all zeros"));
   write("zenith-fleet-key 1\n" + std::string(5000, '#') + "\n");
   EXPECT_THAT(error(), HasSubstr("longer than a key file"));
-  EXPECT_THAT(read_fleet_keys(folder_.path()).error().message, HasSubstr("no regular file"));
+  EXPECT_THAT(read_fleet_keys(folder_.path()).error().message,
+              HasSubstr("expected a regular file"));
 }
 
 TEST_F(FleetKeyTest, WhatOthersMayReadOrWriteIsNoSecret) {
@@ -192,6 +198,24 @@ TEST_F(FleetKeyTest, ALinkInThePlaceOfTheFileIsNotFollowed) {
   ASSERT_EQ(::symlink(other.c_str(), file_.c_str()), 0);
   EXPECT_FALSE(create_fleet_key(file_).ok());
   EXPECT_EQ(tools::entries(folder_.path()), 1u) << "the link alone";
+}
+
+// Replaced by the new file it would lead nowhere, and who reads the file itself would keep the old
+// key.
+TEST_F(FleetKeyTest, ALinkIsReadAndNotChanged) {
+  ASSERT_TRUE(create_fleet_key(file_).ok());
+  ASSERT_TRUE(rotate_fleet_key(file_).ok());
+  const std::string link = (folder_.path() / "link").string();
+  ASSERT_EQ(::symlink(file_.c_str(), link.c_str()), 0);
+  EXPECT_TRUE(read_fleet_keys(link).ok());
+  const std::string before = read_text(file_);
+  for (const auto change : {rotate_fleet_key, swap_fleet_keys}) {
+    const Status refused = change(link);
+    ASSERT_FALSE(refused.ok());
+    EXPECT_THAT(refused.error().message, HasSubstr("name the file itself: " + file_));
+  }
+  EXPECT_EQ(read_text(file_), before);
+  EXPECT_TRUE(std::filesystem::is_symlink(link));
 }
 
 TEST_F(FleetKeyTest, SwapsTwoKeys) {

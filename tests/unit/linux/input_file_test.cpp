@@ -1,7 +1,9 @@
 #include "platform/linux/input_file.h"
 
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/un.h>
+#include <unistd.h>
 
 #include <cstring>
 
@@ -104,6 +106,46 @@ TEST_F(InputFileTest, LinesHaveTheirEndsTakenOff) {
   EXPECT_THAT(read("a\r\n\nb", limits), ElementsAre("a", "", "b"));
   EXPECT_THAT(read("0123456789\n0123456789", limits), ElementsAre("0123456789", "0123456789"));
   EXPECT_TRUE(status_.ok());
+}
+
+// Editors of some systems begin a file with a mark that says UTF-8, or write UTF-16.
+TEST_F(InputFileTest, AnEditorsMarkIsPassedOverAndUtf16IsTold) {
+  const LineLimits limits = {1 << 20, 40};
+  EXPECT_THAT(read("\xef\xbb\xbf#a\n\xef\xbb\xbf"
+                   "b\n",
+                   limits),
+              ElementsAre("#a",
+                          "\xef\xbb\xbf"
+                          "b"));
+  EXPECT_EQ(*read_text_input(path_, 100),
+            "#a\n\xef\xbb\xbf"
+            "b\n");
+  EXPECT_THAT(read("\xef\xbb\xbf", limits), ElementsAre(""));
+  EXPECT_EQ(*read_text_input(path_, 100), "");
+  for (const std::string& text :
+       {std::string("\xff\xfe#\0a\0\n\0", 8), std::string("\xfe\xff\0#\0\n", 6)}) {
+    EXPECT_THAT(read(text, limits), ElementsAre());
+    EXPECT_THAT(status_.error().message, AllOf(HasSubstr(path_), HasSubstr("UTF-16")));
+    EXPECT_THAT(read_text_input(path_, 100).error().message, HasSubstr("save it as UTF-8"));
+  }
+}
+
+TEST_F(InputFileTest, ASecretIsReadOnlyWhereOthersCouldNot) {
+  const auto refusal = [this](mode_t mode) {
+    EXPECT_EQ(::chmod(path_.c_str(), mode), 0);
+    const auto file = open_secret(path_);
+    return file.ok() ? "" : file.error().message;
+  };
+  write_text(path_, "secret");
+  for (const mode_t mode : {0600, 0640, 0400}) EXPECT_EQ(refusal(mode), "") << mode;
+  for (const mode_t mode : {0604, 0602, 0620, 0610}) {
+    EXPECT_THAT(refusal(mode), HasSubstr("chmod 600 " + path_)) << mode;
+  }
+  EXPECT_THAT(refusal(0644), HasSubstr("chmod 640 " + path_));
+  ASSERT_EQ(refusal(0600), "");
+  if (::geteuid() != 0) return;
+  ASSERT_EQ(::chown(path_.c_str(), 12345, 0), 0);
+  EXPECT_THAT(open_secret(path_).error().message, HasSubstr("belongs to user 12345"));
 }
 
 TEST_F(InputFileTest, ALongLineEndsTheReading) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "platform/recording/layout.h"
+#include "platform/recording/robot_file.h"
 #include "platform/recording/sensor_file.h"
 #include "tests/unit/tools/small_recording.h"
 #include "tests/unit/tools/temporary_folder.h"
@@ -69,6 +70,18 @@ TEST_F(RecordingTest, ComesBackAsItWasWritten) {
   EXPECT_NEAR(got.wheels.left_scale, put.wheels.left_scale, 1e-9);
   EXPECT_NEAR(got.wheels.right_scale, put.wheels.right_scale, 1e-9);
   EXPECT_NEAR(got.frame_rate_hz, put.frame_rate_hz, 1e-9);
+}
+
+TEST_F(RecordingTest, AnEditorsMarkInItsFilesIsPassedOver) {
+  for (const fs::path& file :
+       {layout::robot(folder_), layout::sensor(folder_), layout::frame_list(folder_),
+        layout::ground_truth(folder_), layout::can_log(folder_, RobotFile().can_interface)}) {
+    ASSERT_TRUE(fs::exists(file)) << file;
+    write_text(file, "\xef\xbb\xbf" + read_text(file));
+  }
+  EXPECT_EQ(read_all(), "");
+  EXPECT_EQ(frames_, 10);
+  EXPECT_THAT(warnings_, IsEmpty());
 }
 
 TEST_F(RecordingTest, DeliversFramesWithTheirWheelsAndTruth) {

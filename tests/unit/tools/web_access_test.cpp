@@ -119,7 +119,7 @@ TEST(WebAccess, ATokenFileIsMadeOnceAndNobodyElsesToRead) {
   }
   const std::string pipe = (folder.path() / "pipe").string();
   ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
-  EXPECT_THAT(token_of_file(pipe).error().message, HasSubstr("expected a file"));
+  EXPECT_THAT(token_of_file(pipe).error().message, HasSubstr("expected a regular file"));
   // Nobody's link is followed where a new one is written.
   const std::string link = (folder.path() / "link").string();
   std::filesystem::create_symlink(folder.path() / "elsewhere", link);

@@ -5,6 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/unit/tools/temporary_folder.h"
+
 namespace zenith {
 namespace {
 
@@ -145,6 +147,15 @@ TEST(Dbc, LimitsTheListOfProblems) {
   for (int i = 0; i < 25; ++i) text += "BO_ x\n";
   EXPECT_THAT(parse_error(text), AllOf(HasSubstr("x.dbc:10:"), Not(HasSubstr("x.dbc:11:")),
                                        HasSubstr("15 more malformed lines")));
+}
+
+TEST(Dbc, AnEditorsMarkIsPassedOver) {
+  const tools::TemporaryFolder folder;
+  const std::string path = (folder.path() / "base.dbc").string();
+  tools::write_text(path, std::string("\xef\xbb\xbf") + kFile);
+  const auto file = load_dbc(path);
+  ASSERT_TRUE(file.ok()) << file.error().message;
+  EXPECT_EQ(file->signals.size(), parse_dbc(kFile, path)->signals.size());
 }
 
 TEST(Dbc, RefusesFilesThatAreNone) {
