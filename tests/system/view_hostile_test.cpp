@@ -104,6 +104,20 @@ TEST_F(HostileView, NonsenseOfARobotIsCountedWhileAViewerWatches) {
   EXPECT_EQ(view_.stop(), 0);
 }
 
+// What others connect until it asks are as many as a storm brings in the time that a busy browser
+// takes.
+TEST_F(HostileView, WhoAsksLateIsAnsweredAmongManyThatAskForNothing) {
+  ASSERT_TRUE(start()) << view_.log();
+  PageClient late(view_.port());
+  late.send("GET / HTTP/1.1\r\n");
+  std::vector<std::unique_ptr<PageClient>> storm;
+  for (int i = 0; i < 200; ++i) storm.push_back(std::make_unique<PageClient>(view_.port()));
+  EXPECT_TRUE(lives()) << "by now it has seen them all";
+  late.send("Host: 127.0.0.1\r\n\r\n");
+  EXPECT_THAT(late.head(), StartsWith("HTTP/1.1 401"));
+  EXPECT_EQ(view_.stop(), 0);
+}
+
 TEST_F(HostileView, IdleWebSocketsAndIdleRequestsKeepNobodyOut) {
   ASSERT_TRUE(start()) << view_.log();
   // Without the token none opens at all.

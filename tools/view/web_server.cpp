@@ -184,6 +184,10 @@ void WebServer::run() {
 
 void WebServer::serve(Client& client, bool readable, Time now) {
   WebConnection& c = *client.connection;
+  if (readable && c.state() == WebConnection::State::kHead && !may_ask(client)) {
+    count(Told::kRefused);
+    return c.abandon();
+  }
   std::array<char, kReadBytes> bytes;
   if (readable) {
     const ssize_t size = ::recv(client.fd.get(), bytes.data(), bytes.size(), MSG_DONTWAIT);
@@ -242,36 +246,46 @@ void WebServer::welcome(Time now) {
       if (errno == EMFILE || errno == ENFILE) sleep_until(now + Duration{kWait_ms * 1'000'000});
       return;
     }
-    std::string address = address_of(from);
-    if (!make_room(address)) {
-      count(Told::kRefused);
-      continue;
-    }
+    make_room();
     clients_.push_back(
-        {std::move(fd), std::move(address), std::make_unique<WebConnection>(router_, now)});
+        {std::move(fd), address_of(from), std::make_unique<WebConnection>(router_, now)});
     // What it asks is mostly there already, and then it is no candidate for the next one's room.
     serve(clients_.back(), true, now);
   }
 }
 
-// The oldest connection that has not asked for anything goes: of this address when it has too
-// many, else of any.
-bool WebServer::make_room(const std::string& address) {
-  const auto of_address = static_cast<std::size_t>(
-      std::count_if(clients_.begin(), clients_.end(),
-                    [&](const Client& client) { return client.address == address; }));
-  const bool too_many_of_it = of_address >= kOfOneAddress;
-  if (!too_many_of_it && clients_.size() < kConnections) return true;
+bool WebServer::waits(const Client& client) {
+  const auto state = client.connection->state();
+  return state == WebConnection::State::kHead || state == WebConnection::State::kLingering;
+}
+
+// When there are too many that wait the oldest one of the address with most of them goes.
+void WebServer::make_room() {
+  std::map<std::string_view, std::size_t> waiting;
+  std::size_t most = 0;
+  std::size_t all = 0;
+  for (const Client& client : clients_) {
+    if (!waits(client)) continue;
+    most = std::max(most, ++waiting[client.address]);
+    ++all;
+  }
+  if (all < kWaiting) return;
   const auto oldest = std::find_if(clients_.begin(), clients_.end(), [&](const Client& client) {
-    const auto state = client.connection->state();
-    const bool idle =
-        state != WebConnection::State::kWebSocket && state != WebConnection::State::kFlushing;
-    return idle && (!too_many_of_it || client.address == address);
+    return waits(client) && waiting[client.address] == most;
   });
-  if (oldest == clients_.end()) return false;
   clients_.erase(oldest);
   count(Told::kEvicted);
-  return true;
+}
+
+bool WebServer::may_ask(const Client& client) const {
+  std::size_t all = 0;
+  std::size_t of_address = 0;
+  for (const Client& other : clients_) {
+    if (waits(other)) continue;
+    ++all;
+    if (other.address == client.address) ++of_address;
+  }
+  return all < kConnections && of_address < kOfOneAddress;
 }
 
 namespace {

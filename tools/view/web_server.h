@@ -7,8 +7,9 @@
 //   / as a WebSocket  Foxglove's protocol (foxglove_session.h)
 //
 // Who may read: web_access.h. What one connection may do: web_connection.h. Here: how many there
-// may be. A new connection always gets its turn: when there are too many, the oldest one that has
-// not asked yet goes.
+// may be. A new connection always gets its turn: when too many wait without having asked, the
+// oldest one of the address that has most of them goes. There is room for so many of these that a
+// storm of some thousand connects a second leaves a client 50 ms and more to ask.
 
 #include <array>
 #include <atomic>
@@ -40,10 +41,11 @@ struct WebOptions {
 
 class WebServer {
  public:
-  static constexpr std::size_t kConnections = 64;
-  static constexpr std::size_t kOfOneAddress = 32;
-  static constexpr std::size_t kPages = 16;   // WebSockets at /live
-  static constexpr std::size_t kViewers = 8;  // of Foxglove's protocol
+  static constexpr std::size_t kWaiting = 256;      // that have not asked yet, or are answered
+  static constexpr std::size_t kConnections = 64;   // others
+  static constexpr std::size_t kOfOneAddress = 32;  // of these
+  static constexpr std::size_t kPages = 16;         // WebSockets at /live
+  static constexpr std::size_t kViewers = 8;        // of Foxglove's protocol
 
   // What a page that says `request` gets (docs/view.md); called in the server's thread.
   using Answer = std::function<nlohmann::json(const nlohmann::json& request)>;
@@ -73,7 +75,9 @@ class WebServer {
   Status listen(const WebOptions& options);
   void run();
   void welcome(Time now);
-  bool make_room(const std::string& address);
+  static bool waits(const Client& client);  // it has not asked yet, or is answered
+  void make_room();
+  bool may_ask(const Client& client) const;
   void serve(Client& client, bool readable, Time now);
   void remove_ended();
   void count(Told what);
