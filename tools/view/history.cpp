@@ -45,23 +45,24 @@ std::size_t History::bytes() const {
 Timeline History::timeline() const {
   const std::lock_guard lock(mutex_);
   Timeline timeline;
+  MarkFinder marks;
   for (std::size_t i = 0; i < before_.size(); ++i) {
     timeline.robots.push_back(before_[i].name());
     for (TelemetryLine& line : before_[i].as_lines()) {
-      timeline.entries.push_back({0.0, i, std::move(line)});
+      marks.note(timeline, 0.0, i, line);
+      timeline.before.emplace_back(i, std::move(line));
     }
   }
   for (const Entry& entry : entries_) {
-    DecodedLine decoded = decode_telemetry(entry.text);
+    const DecodedLine decoded = decode_telemetry(entry.text);
     if (!decoded.line) continue;
     if (const auto* hello = decoded.line->as<HelloLine>()) {
       timeline.robots[entry.robot] = hello->robot;
     }
-    timeline.entries.push_back(
-        {(entry.at - entries_.front().at).seconds(), entry.robot, std::move(*decoded.line)});
+    const double t_s = (entry.at - entries_.front().at).seconds();
+    timeline.add(t_s, entry.robot, entry.text);
+    marks.note(timeline, t_s, entry.robot, *decoded.line);
   }
-  if (!timeline.entries.empty()) timeline.duration_s = timeline.entries.back().t_s;
-  find_marks(timeline);
   return timeline;
 }
 

@@ -49,14 +49,21 @@ void Player::seek(double to_s) {
   if (to_s >= position_s_) return advance(to_s);
   state_.rebuild([&] {
     next_ = 0;
+    begun_ = false;
     advance(to_s);
   });
 }
 
 void Player::advance(double to_s) {
   position_s_ = to_s;
+  if (!begun_) {
+    for (const auto& [robot, line] : timeline_.before) state_.apply(robot, line);
+  }
+  begun_ = true;
   for (; next_ < timeline_.entries.size() && timeline_.entries[next_].t_s <= to_s; ++next_) {
-    state_.apply(timeline_.entries[next_].robot, timeline_.entries[next_].line);
+    const Timeline::Entry& entry = timeline_.entries[next_];
+    const DecodedLine decoded = timeline_.line_of(entry);
+    if (decoded.line) state_.apply(entry.robot, *decoded.line);
   }
 }
 

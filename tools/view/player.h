@@ -33,6 +33,7 @@ class Player {
   FleetState& state_;
   const Timeline timeline_;
   std::mutex mutex_;
+  bool begun_ = false;
   std::size_t next_ = 0;  // entry
   double position_s_ = 0.0;
   double speed_ = 1.0;

@@ -2,7 +2,6 @@
 
 #include <cstdio>
 #include <fstream>
-#include <map>
 
 #include "tools/view/bounded_json.h"
 
@@ -18,22 +17,6 @@ constexpr std::size_t kMostMarks = 2000;
 Error wrong(const std::filesystem::path& file, std::size_t number, const char* what) {
   return Error{file.string() + ":" + std::to_string(number) + ": expected " + what +
                "; `zenith replay --force` writes the file anew"};
-}
-
-void note_mark(Timeline& timeline, const Timeline::Entry& entry,
-               std::map<std::string, std::string>& states) {
-  const auto* alignment = entry.line.as<AlignmentLine>();
-  if (alignment == nullptr || timeline.marks.size() >= kMostMarks) return;
-  const std::string& robot = timeline.robots[entry.robot];
-  const std::string& peer = alignment->name;
-  const std::string& state = alignment->state;
-  std::string& before = states[robot + "/" + peer];
-  if (state == "merged" && before != "merged") {
-    timeline.marks.push_back({entry.t_s, robot + " joins " + peer + "'s map"});
-  } else if (state != "merged" && before == "merged") {
-    timeline.marks.push_back({entry.t_s, robot + " withdraws from " + peer + "'s map"});
-  }
-  before = state;
 }
 
 // Longer lines end at the bound: they are then no JSON.
@@ -62,27 +45,50 @@ const char* take_first(Timeline& timeline, const json& line) {
   return nullptr;
 }
 
-const char* take_entry(Timeline& timeline, json line) {
+const char* take_entry(Timeline& timeline, MarkFinder& marks, json line) {
   const auto t_s = read_number(member(line, "t_s"), 0.0, kLongest_s);
   const auto robot = read_integer(member(line, "robot"), 0, kMostRobots);
   if (!t_s || !robot || !line.contains("line")) return "the keys t_s, robot and line";
   if (static_cast<std::size_t>(*robot) >= timeline.robots.size()) return "a robot of line 1";
   if (!timeline.entries.empty() && *t_s < timeline.entries.back().t_s) return "rising times";
-  DecodedLine decoded = decode_telemetry_json(std::move(line["line"]));
+  const std::string text = line["line"].dump();
+  const DecodedLine decoded = decode_telemetry_json(std::move(line["line"]));
   if (!decoded.line) {
     ++timeline.refused;
     return nullptr;
   }
-  timeline.entries.push_back({*t_s, static_cast<std::size_t>(*robot), std::move(*decoded.line)});
+  timeline.add(*t_s, static_cast<std::size_t>(*robot), text);
+  marks.note(timeline, *t_s, static_cast<std::size_t>(*robot), *decoded.line);
   return nullptr;
 }
 
 }  // namespace
 
-void find_marks(Timeline& timeline) {
-  timeline.marks.clear();
-  std::map<std::string, std::string> states;
-  for (const Timeline::Entry& entry : timeline.entries) note_mark(timeline, entry, states);
+void Timeline::add(double t_s, std::size_t robot, std::string_view line) {
+  entries.push_back({t_s, static_cast<std::uint32_t>(robot),
+                     static_cast<std::uint32_t>(line.size()), text.size()});
+  text += line;
+  duration_s = t_s;
+}
+
+DecodedLine Timeline::line_of(const Entry& entry) const {
+  return decode_telemetry(std::string_view(text).substr(entry.at, entry.bytes));
+}
+
+void MarkFinder::note(Timeline& timeline, double t_s, std::size_t robot,
+                      const TelemetryLine& line) {
+  const auto* alignment = line.as<AlignmentLine>();
+  if (alignment == nullptr || timeline.marks.size() >= kMostMarks) return;
+  const std::string& name = timeline.robots[robot];
+  const std::string& peer = alignment->name;
+  const std::string& state = alignment->state;
+  std::string& before = states_[name + "/" + peer];
+  if (state == "merged" && before != "merged") {
+    timeline.marks.push_back({t_s, name + " joins " + peer + "'s map"});
+  } else if (state != "merged" && before == "merged") {
+    timeline.marks.push_back({t_s, name + " withdraws from " + peer + "'s map"});
+  }
+  before = state;
 }
 
 Result<Timeline> read_timeline(const std::filesystem::path& file) {
@@ -99,17 +105,17 @@ Result<Timeline> read_timeline(const std::filesystem::path& file) {
                  " bytes, found " + std::to_string(size) + "; replay a shorter piece"};
   }
   Timeline timeline;
+  timeline.text.reserve(size);
+  MarkFinder marks;
   std::string text;
   for (std::size_t number = 1; next_line(in, text); ++number) {
     json line = parse_bounded(text, kEntryLimits).value;
     if (!line.is_object()) return wrong(file, number, "a JSON object of at most 1 MB");
     const char* expected =
-        number == 1 ? take_first(timeline, line) : take_entry(timeline, std::move(line));
+        number == 1 ? take_first(timeline, line) : take_entry(timeline, marks, std::move(line));
     if (expected != nullptr) return wrong(file, number, expected);
   }
   if (timeline.robots.empty()) return wrong(file, 1, "a line that names the robots");
-  if (!timeline.entries.empty()) timeline.duration_s = timeline.entries.back().t_s;
-  find_marks(timeline);
   return timeline;
 }
 

@@ -7,8 +7,12 @@
 //
 // In the order of time. Pictures are JPEG, as base64.
 
+#include <cstdint>
 #include <filesystem>
+#include <map>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "platform/base/result.h"
@@ -18,11 +22,14 @@ namespace zenith::tools {
 
 inline constexpr const char* kTimelineFile = "timeline.jsonl";
 
+// Its lines are kept as text, for decoded they take more than ten times the memory: who plays it
+// decodes them again.
 struct Timeline {
   struct Entry {
     double t_s = 0.0;
-    std::size_t robot = 0;
-    TelemetryLine line;
+    std::uint32_t robot = 0;
+    std::uint32_t bytes = 0;  // of `text`
+    std::uint64_t at = 0;
   };
   // A merge, or its withdrawal.
   struct Mark {
@@ -31,14 +38,26 @@ struct Timeline {
   };
 
   std::vector<std::string> robots;
+  std::vector<std::pair<std::size_t, TelemetryLine>> before;  // of robots, ahead of all entries
   std::vector<Entry> entries;
+  std::string text;
   std::vector<Mark> marks;
   double duration_s = 0.0;
   std::size_t refused = 0;  // entries whose line is none of telemetry's: left out
+
+  // At its end. `line` is one of telemetry's.
+  void add(double t_s, std::size_t robot, std::string_view line);
+  DecodedLine line_of(const Entry& entry) const;
 };
 
-// Its merges and withdrawals, from the entries.
-void find_marks(Timeline& timeline);
+// Puts merges and withdrawals into a timeline: tell it all lines in their order.
+class MarkFinder {
+ public:
+  void note(Timeline& timeline, double t_s, std::size_t robot, const TelemetryLine& line);
+
+ private:
+  std::map<std::string, std::string> states_;  // of alignments: "ROBOT/PEER"
+};
 
 // A regular file of at most kMostTimelineBytes.
 inline constexpr std::uintmax_t kMostTimelineBytes = std::uintmax_t{512} << 20U;

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/support/figure.h"
+#include "tests/support/hostile_files.h"
 #include "tests/unit/tools/temporary_folder.h"
 #include "tests/unit/tools/told_line.h"
 #include "tools/view/foxglove_session.h"
@@ -226,6 +228,33 @@ TEST_F(ViewLimits, AStoredTimelineIsReadWithinBounds) {
   std::filesystem::remove(file);
   std::filesystem::create_directory(file);
   EXPECT_THAT(read_timeline(file).error().message, HasSubstr("missing"));
+}
+
+// Decoded, all its lines would take ten times the memory of the file.
+TEST(Timelines, TakeLittleMoreMemoryThanTheirFile) {
+  TemporaryFolder folder;
+  const auto file = folder.path() / kTimelineFile;
+  std::string text = "{\"timeline\":1,\"robots\":[\"a\"]}\n";
+  for (int i = 0; i < 60'000; ++i) {
+    text += "{\"t_s\":" + std::to_string(i) +
+            ",\"robot\":0,\"line\":{\"type\":\"pose\",\"stamp_ns\":" + std::to_string(i) +
+            ",\"pose\":[1.25,2.5,0.125],\"covariance\":[1,0,0,1,0,1]}}\n";
+  }
+  write_text(file, text);
+  const std::size_t size = text.size();
+  text = {};
+  std::size_t entries = 0;
+  const auto growth = peak_growth_bytes([&] {
+    const auto timeline = read_timeline(file);
+    if (timeline.ok()) entries = timeline->entries.size();
+  });
+  EXPECT_EQ(entries, 60'000u);
+  if (!growth) GTEST_SKIP() << "SKIPPED: this kernel does not say how much memory was taken";
+  print_figure("a timeline of %.1f MB takes %.1f MB", static_cast<double>(size) * 1e-6,
+               static_cast<double>(*growth) * 1e-6);
+#if !defined(__SANITIZE_ADDRESS__)
+  EXPECT_LT(*growth, 3 * size);
+#endif
 }
 
 }  // namespace
