@@ -1,6 +1,9 @@
 // The map of a real daemon through kills: it is readable, and the next life finds itself in it.
 
 #include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -146,6 +149,52 @@ TEST_F(StoredMap, SurvivesKillsAndIsFoundAgain) {
     EXPECT_TRUE(daemon_.logged("found itself in the stored map"));
   }
   EXPECT_EQ(daemon_.stop(), 0);
+}
+
+// A robot in a hall that its map does not show: after a thousand landmarks the map is given up.
+// Then it comes to the place of that map. What it tells is in its own map's frame all the same.
+TEST_F(StoredMap, OneThatWasLeftIsNoFrameWhenTheRobotComesToItsPlace) {
+  const std::filesystem::path world = ZENITH_SOURCE_DIR "/tests/system/worlds/left-behind.toml";
+  daemon_.set_world(world);
+  map_the_room();
+  ASSERT_EQ(daemon_.stop(), 0);
+  const auto room = on_disk("map").head.map;
+
+  SimDaemon robot(folder_.path(), "r2",
+                  "[map]\nfolder = \"" + state_.string() + "\"\ninterval_s = 1\n");
+  robot.set_world(world);
+  ASSERT_TRUE(robot.start());
+  // Its way: to the far end of the hall and back, into the room and around it. Metres from its
+  // start.
+  const std::vector<std::pair<bool, double>> stations = {
+      {true, 40.0}, {false, 3.0}, {true, 8.4}, {false, 4.5}, {true, 8.0}};
+  std::size_t station = 0;
+  bool left = false;
+  std::size_t after = 0;  // poses
+  EXPECT_TRUE(listen_until({&robot}, kLimit_s,
+                           [&] {
+                             const auto map = robot.latest("stored_map");
+                             const auto pose = robot.latest("pose");
+                             if (map.is_null() || pose.is_null()) return false;
+                             left = left || map["left"] == true;
+                             EXPECT_FALSE(pose.contains("map_pose")) << "station " << station;
+                             const double from_start_m = std::hypot(pose["pose"][0].get<double>(),
+                                                                    pose["pose"][1].get<double>());
+                             const auto& [beyond, distance_m] = stations[station];
+                             if (beyond == (from_start_m > distance_m)) ++station;
+                             if (station > 1) {
+                               EXPECT_TRUE(left) << "before it comes to the room";
+                               ++after;
+                             }
+                             return station == stations.size() || testing::Test::HasFailure();
+                           }))
+      << "station " << station << "\n"
+      << robot.log();
+  EXPECT_TRUE(left);
+  EXPECT_GT(after, 0u);
+  EXPECT_EQ(robot.stop(), 0);
+  EXPECT_NE(on_disk("map").head.map, room) << "the hall's is the main one";
+  EXPECT_TRUE(std::filesystem::exists(state_ / "map-0.zenmap.left"));
 }
 
 }  // namespace
