@@ -60,9 +60,9 @@ int Hypothesis::expected() const {
   return sum;
 }
 
-double log_odds(int hits, int expected) {
-  const double hit = std::log(kHitWhenRight / kHitWhenWrong);
-  const double miss = std::log((1.0 - kHitWhenRight) / (1.0 - kHitWhenWrong));
+double log_odds(int hits, int expected, const HitRates& rates) {
+  const double hit = std::log(rates.right / rates.wrong);
+  const double miss = std::log((1.0 - rates.right) / (1.0 - rates.wrong));
   return hit * hits + miss * (expected - hits);
 }
 

@@ -41,15 +41,16 @@ struct Hypothesis {
   double score() const;
 };
 
-// The log odds of a pose under which so many of the landmarks expected are found: the right one
-// against a wrong one on a ceiling of the same kind.
-double log_odds(int hits, int expected);
-
 // How often an expected landmark is found under the right alignment, and under a wrong one where
 // the ceiling repeats itself. Measured on the simulated worlds: 0.86 to 0.98, and 0.3 to 0.65 (0.8
 // to 0.89 where it repeats strictly, which is for the rivals to expose).
-inline constexpr double kHitWhenRight = 0.9;
-inline constexpr double kHitWhenWrong = 0.6;
+struct HitRates {
+  double right = 0.9;
+  double wrong = 0.6;
+};
+
+// The log odds of an alignment under which so many of the expected landmarks are found.
+double log_odds(int hits, int expected, const HitRates& rates = {});
 
 struct TestSettings {
   float ncc_min = 0.60F;

@@ -14,6 +14,8 @@ constexpr double kScore = 12.0;
 constexpr double kRivalShare = 0.5;
 constexpr int kLeastSearches = 4;
 constexpr double kLeastTravel_m = 0.45;
+// Of evidence_at(), on simulated ceilings: 0.6 to 0.8 at the right pose, 0.1 to 0.3 at wrong ones.
+constexpr HitRates kRates = {0.6, 0.3};
 constexpr int kLeastHits = 8;  // of a pose that is worth a test
 
 }  // namespace
@@ -24,7 +26,7 @@ double Relocaliser::Guess::score() const {
     sum.hits += s.hits;
     sum.expected += s.expected;
   }
-  return log_odds(sum.hits, sum.expected);
+  return log_odds(sum.hits, sum.expected, kRates);
 }
 
 void Relocaliser::Guess::test(const FrameOverMap& frame) {
