@@ -61,7 +61,7 @@ bool Slam::State::accept(const StepInput& input) {
 }
 
 bool Slam::State::begin(const StepInput& input) {
-  const WheelHistory::At at = wheels.at(input.stamp);
+  const WheelHistory::At at = wheels.at(clock.taken(input.stamp));
   if (!at.known || at.extrapolated) ++counters.odometry_extrapolated;
   now = at.total;
   if (at.known) {
@@ -72,6 +72,7 @@ bool Slam::State::begin(const StepInput& input) {
   travel = {now.left_m - used.left_m, now.right_m - used.right_m};
   features = &extractor.extract(input.frame, input.corners_max);
   output.stamp = input.stamp;
+  output.stamp_jitter_s = clock.jitter_s();
   output.corners = static_cast<int>(features->size());
   const bool moved =
       mapper.worth_using(travel) || (!extractor.repeated() && mapper.sees_push(*features));

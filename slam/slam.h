@@ -49,6 +49,8 @@ struct StepOutput {
   Eigen::Matrix3d pose_covariance = Eigen::Matrix3d::Zero();  // over (x, y, theta)
   double effective_sample_size = 0.0;
   Odometry odometry;  // the wheels alone
+  // Standard deviation of the frames' stamps; 0 while they come at equal intervals, or at any.
+  double stamp_jitter_s = 0.0;
   int corners = 0;
   int candidates = 0;  // landmarks predicted into the image
   int matched = 0;

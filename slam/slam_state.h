@@ -3,6 +3,7 @@
 // stands between them in slam.cpp, several robots' in joint_slam.cpp.
 
 #include "slam/bounds.h"
+#include "slam/filter/frame_clock.h"
 #include "slam/fleet/fleet.h"
 #include "slam/mapper.h"
 #include "slam/observed.h"
@@ -16,6 +17,7 @@ struct Slam::State {
   Fleet fleet;
   ObservedFrame observed;
   WheelHistory wheels;
+  FrameClock clock;
   StampGuard stamps{kOtherClockFrames};
   DeadReckoning dead_reckoning;
   WheelTravel used;  // total travel at the last used frame
