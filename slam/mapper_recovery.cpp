@@ -25,6 +25,7 @@ constexpr double kSeenAgain_m = 6.0;
 constexpr double kSameCorner_px = 3.0;
 constexpr double kSameShare = 0.5;
 constexpr std::size_t kEnoughCorners = 12;
+constexpr int kFewCorners = 12;  // of a frame that shows too little to be judged
 
 }  // namespace
 
@@ -44,6 +45,10 @@ bool Mapper::follow(const Features& features, const FeatureExtractor& view) {
   const bool lost = tracking_.state() == TrackingState::kLost;
   if (!lost) match(features, view);
   if (map_ != &own_map_ || first_) return true;
+  // A covered lens, or darkness: nothing contradicts the wheels.
+  const auto corners =
+      std::count_if(features.begin(), features.end(), [](const Feature& f) { return f.described; });
+  if (!lost && corners < kFewCorners) return true;
   if (!lost && !Tracking::is_weak(match_share())) {
     tracking_.follow();
     return true;
