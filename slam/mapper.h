@@ -11,7 +11,9 @@
 #include "slam/counters.h"
 #include "slam/features.h"
 #include "slam/filter/calibration.h"
+#include "slam/filter/drift.h"
 #include "slam/filter/motion.h"
+#include "slam/filter/noise_scale.h"
 #include "slam/filter/particles.h"
 #include "slam/filter/proposal.h"
 #include "slam/filter/scale_watch.h"
@@ -88,6 +90,12 @@ class Mapper {
   double travelled_m() const { return travelled_m_; }
   double effective_sample_size() const { return effective_; }
   const CalibrationEstimator& calibration() const { return calibration_; }
+  // Over (x, y, theta), in the map's frame: the particles' spread with what they do not know.
+  Eigen::Matrix3d pose_covariance() const;
+  // Of a landmark's place, likewise.
+  Eigen::Matrix3d landmark_covariance(const LandmarkInfo& landmark) const;
+  // The noise with which corners count: the stated one, or what was learned beyond.
+  double corner_sigma_px() const { return noise_scale_.sigma_factor() * p_.pixel_sigma_px; }
   bool loop_closing() const { return loop_closing_; }
   // After the last frame of update().
   TrackingState tracking() const { return tracking_.state(); }
@@ -100,7 +108,9 @@ class Mapper {
   // A corner is found to so many pixels of the fisheye frame; rectified, a pixel grows by 1 + r^2
   // along the radius and by about its root across it. One variance for both axes: the geometric
   // mean.
-  float observation_noise(float r2) const { return noise_ * (1.0F + r2) * std::sqrt(1.0F + r2); }
+  float observation_noise(float r2) const {
+    return static_cast<float>(noise_scale_.kappa()) * noise_ * (1.0F + r2) * std::sqrt(1.0F + r2);
+  }
 
   static constexpr double kDegree = std::numbers::pi / 180.0;
 
@@ -114,6 +124,8 @@ class Mapper {
   void begin_anew();
   void refresh_in_turn();
   void trust_matches(const Features& features);
+  void learn_noise(const Features& features);
+  void carry_drift();
   void learn_calibration(const Features& features);
   void move_by_calibration(const CalibrationVector& step);
   void match(const Features& features, const FeatureExtractor& view);
@@ -161,6 +173,9 @@ class Mapper {
   MotionIncrement motion_;
   ProposalRows proposal_;
   CalibrationEstimator calibration_;
+  NoiseScale noise_scale_;
+  DriftEstimate drift_;
+  MapErrors map_errors_;
   PoseSensitivity pose_by_calibration_ = PoseSensitivity::Zero();
   std::span<Candidates> candidates_;
   std::span<std::uint16_t> parents_;
@@ -175,6 +190,7 @@ class Mapper {
   // Where the last used frame showed landmarks.
   FixedVector<Eigen::Vector2f, kMaxCorners> corners_kept_;
   bool scale_wrong_ = false;
+  std::uint64_t frames_used_ = 0;
   int resets_in_row_ = 0;  // used frames in which all poses broke
   bool poses_broke_ = false;
   bool first_ = true;

@@ -119,7 +119,7 @@ void Mapper::associate(const Features& features) {
     corner_used_.fill(false);
     AssociationSettings settled = association_;
     settled.ncc_min = static_cast<float>(p_.ncc_match_settled);
-    settled.max_radius = kSettledRadius_px * pixel_;
+    settled.max_radius = kSettledRadius_px * pixel_ * noise_scale_.sigma_factor();
     associator_.match(candidates, kPromotedRecent, correction_, 0.0, feats, *map_, heading, settled,
                       corner_used_);
     correction_ =
@@ -164,10 +164,36 @@ void Mapper::trust_matches(const Features& features) {
   }
 }
 
+// Of matches from which the pose has come, agreeing or not.
+void Mapper::learn_noise(const Features& features) {
+  const double kappa = noise_scale_.kappa();
+  const double kappa_1 = noise_scale_.kappa_1();
+  for (const Candidate& c : candidates_[0]) {
+    if (!is_kind(c, CandidateKind::kPromotedRecent) || c.corner < 0) continue;
+    LandmarkInfo& l = map_->info(c.slot);
+    const Feature& f = features[static_cast<std::size_t>(c.corner)];
+    const double stated = static_cast<double>(c.stated_noise);
+    const Eigen::Vector2d e = Eigen::Vector2d(f.zx, f.zy) - c.m - c.G * correction_.xi;
+    const Eigen::Matrix2d S = c.own + c.G * correction_.covariance * c.G.transpose() -
+                              stated * (1.0 - kappa_1 / kappa) * Eigen::Matrix2d::Identity();
+    noise_scale_.add(e.dot(S.inverse() * e));
+    if (l.last_residual_frame == frames_used_ - 1) {
+      noise_scale_.add_pair(e.x(), static_cast<double>(l.last_residual[0]));
+      noise_scale_.add_pair(e.y(), static_cast<double>(l.last_residual[1]));
+    }
+    l.last_residual[0] = static_cast<float>(e.x());
+    l.last_residual[1] = static_cast<float>(e.y());
+    l.last_residual_frame = frames_used_;
+  }
+  if (noise_scale_.end_frame()) map_->set_noise(static_cast<float>(noise_scale_.kappa()));
+}
+
 // What the landmarks say of the motion, against what the wheels say: beyond doubt the wheels
-// slipped.
+// slipped. Until it is known how noisy corners are they may be as noisy as any.
 void Mapper::believe_slip() {
-  const Eigen::Matrix3d S = motion_.covariance + correction_.covariance;
+  constexpr double kMost = NoiseScale::kMostNoise * NoiseScale::kMostNoise;
+  const double doubt = noise_scale_.settled() ? 1.0 : kMost / noise_scale_.kappa();
+  const Eigen::Matrix3d S = motion_.covariance + doubt * correction_.covariance;
   const Eigen::Vector3d& xi = correction_.xi;
   if (xi.dot(S.ldlt().solve(xi)) < kSlipDistance2) return;
   motion_.covariance.diagonal() += xi.cwiseAbs2();

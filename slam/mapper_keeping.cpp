@@ -131,6 +131,7 @@ void Mapper::start_landmarks(const Features& features) {
     ++counters_.landmarks_rejected_full;
     return;
   }
+  map_->anchor_drift(anchor) = drift_.placed();
   anchor_travel_m_ = travelled_m_;
   anchor_heading_rad_ = pose_.mean.theta_rad;
   const double lo = 1.0 / std::max(p_.max_height_m - robot_.mount.z_m, 0.3);
@@ -147,6 +148,7 @@ void Mapper::start_landmarks(const Features& features) {
       continue;
     }
     start_landmark(map_->rows(slot), particles_.count, f.zx, f.zy, f.noise, rho_mean, rho_sigma);
+    map_->info(slot).start_rho_variance = rho_sigma * rho_sigma;
     map_->by_calibration(slot) = starting_sensitivity({f.zx, f.zy});
     if (!refresh_place(slot)) continue;
     LandmarkInfo& l = map_->info(slot);

@@ -56,6 +56,13 @@ constexpr auto kTable = std::to_array<ParameterInfo>({
     {"focal_sigma", "", 0, 0.1, "the same of the focal length, relative; 0: taken as calibrated",
      &P::focal_sigma},
 
+    {"wheel_scale_sigma", "", 0, 0.2,
+     "how wrong the common scale of both wheels may be, relative: no camera sees it",
+     &P::wheel_scale_sigma},
+    {"mount_yaw_sigma_deg", "deg", 0, 20,
+     "how wrong the calibrated yaw of the camera may be; for the stated covariances alone",
+     &P::mount_yaw_sigma_deg},
+
     {"ncc_match", "", -1, 1, "least similarity of a corner and its landmark", &P::ncc_match},
     {"ncc_match_settled", "", -1, 1,
      "the same once the other matches fix the pose, so that changed looks are learned",

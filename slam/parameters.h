@@ -33,6 +33,8 @@ struct Parameters {
   double tilt_sigma_deg = 0.1;
   double principal_sigma_px = 0.1;
   double focal_sigma = 0.0;
+  double wheel_scale_sigma = 0.002;
+  double mount_yaw_sigma_deg = 0.05;
 
   // association
   double ncc_match = 0.65;

@@ -104,8 +104,9 @@ void Slam::State::finish(bool used_frame, const Pose2& T_own_map) {
   output.T_start_robot = T_own_map * pose;
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
   R.topLeftCorner<2, 2>() = rotation(T_own_map.theta_rad);
-  output.pose_covariance = R * mapper.pose().covariance * R.transpose();
+  output.pose_covariance = R * mapper.pose_covariance() * R.transpose();
   output.effective_sample_size = mapper.effective_sample_size();
+  output.corner_sigma_px = mapper.corner_sigma_px();
   output.candidates = 0;
   output.matched = 0;
   output.inliers = 0;
@@ -156,7 +157,7 @@ std::size_t Slam::landmarks(std::span<LandmarkEstimate> out) const {
   for (const LandmarkInfo& l : state_->mapper.map().landmarks()) {
     if (count == out.size()) break;
     if (l.state != LandmarkState::kPromoted) continue;
-    out[count++] = {l.id, l.position_m(), l.covariance(), l.observations};
+    out[count++] = {l.id, l.position_m(), state_->mapper.landmark_covariance(l), l.observations};
   }
   return count;
 }

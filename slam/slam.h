@@ -51,6 +51,7 @@ struct StepOutput {
   Odometry odometry;  // the wheels alone
   // Standard deviation of the frames' stamps; 0 while they come at equal intervals, or at any.
   double stamp_jitter_s = 0.0;
+  double corner_sigma_px = 0.0;  // how noisy corners were found to be, in the fisheye frame
   int corners = 0;
   int candidates = 0;  // landmarks predicted into the image
   int matched = 0;

@@ -23,6 +23,10 @@ struct LandmarkInfo {
   std::int32_t chances = 0;  // frames in which it was predicted well inside the image
   std::int32_t misses_in_row = 0;
   float misfit = 1.0F;  // mean of its matches' misfits: 1 where corners are as sharp as stated
+  float kappa = 1.0F;   // NoiseScale's for which its covariance rows are right
+  float start_rho_variance = 0.0F;
+  float last_residual[2] = {};  // tangents, in the level image's axes
+  std::uint64_t last_residual_frame = 0;
   double last_seen_way_m = 0.0;  // Map::way_m() when it was last seen
 
   // Weighted over the particles when it was last brought up to date; own start frame.

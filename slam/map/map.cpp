@@ -49,6 +49,7 @@ void Map::layout(Arena& arena, int particles) {
   removals_ = arena.take<Removal>(kMaxRemovals);
   calibrations_ = arena.take<LandmarkCalibration>(kLandmarks);
   anchor_calibrations_ = arena.take<AnchorCalibration>(kAnchors);
+  anchor_drifts_ = arena.take<PlacedDrift>(kAnchors);
   arena.part("own map: looks");
   pool_ = arena.take<Appearance>(kAppearancePool);
 }
@@ -71,6 +72,7 @@ void Map::reset() {
   slots_used_ = 0;
   anchors_used_ = 0;
   removal_count_ = 0;
+  kappa_ = 1.0F;
 }
 
 int Map::create(int anchor) {
@@ -84,6 +86,7 @@ int Map::create(int anchor) {
   l.state = LandmarkState::kTentative;
   l.id = next_id_++;
   l.anchor = anchor;
+  l.kappa = kappa_;
   ++anchor_users_[static_cast<std::size_t>(anchor)];
   rows_.set_generation(slot, ancestry_.generation());
   calibrations_[static_cast<std::size_t>(slot)] = {LandmarkSensitivity::Zero(), calibration_};
@@ -134,6 +137,7 @@ int Map::create_anchor(const CameraRows& camera, const PoseSensitivity& by_calib
   std::copy_n(camera.sin, particles_, anchor_rows_.row(anchor, 3));
   anchor_rows_.set_generation(anchor, ancestry_.generation());
   anchor_calibrations_[static_cast<std::size_t>(anchor)] = {by_calibration, calibration_};
+  anchor_drifts_[static_cast<std::size_t>(anchor)] = {};
   return anchor;
 }
 
@@ -165,6 +169,7 @@ LandmarkRows Map::rows(int slot) {
   rows_.bring(slot, ancestry_);
   anchor_rows_.bring(anchor, ancestry_);
   follow_calibration(slot, anchor);
+  follow_noise(slot);
   return landmark_rows(rows_, slot, anchor_rows_, anchor);
 }
 
@@ -193,6 +198,32 @@ void Map::follow_calibration(int slot, int anchor) {
     const float ci = c[i];
     c[i] = ci * dc - s[i] * ds;
     s[i] = s[i] * dc + ci * ds;
+  }
+}
+
+// Given its anchor's pose, a landmark's covariance is that of the corners it was made of, but for
+// what was known of the inverse height before: P grows with the noise, P_rr not above its start.
+void Map::follow_noise(int slot) {
+  constexpr float kMuch = 1.02F;
+  LandmarkInfo& l = info(slot);
+  if (kappa_ <= kMuch * l.kappa) return;
+  const float grow = kappa_ / l.kappa;
+  l.kappa = kappa_;
+  float* pxx = rows_.row(slot, 3);
+  float* pxy = rows_.row(slot, 4);
+  float* pxr = rows_.row(slot, 5);
+  float* pyy = rows_.row(slot, 6);
+  float* pyr = rows_.row(slot, 7);
+  float* prr = rows_.row(slot, 8);
+  for (int i = 0; i < particles_; ++i) {
+    const float grow_r = std::max(std::min(grow, l.start_rho_variance / prr[i]), 1.0F);
+    const float both = std::sqrt(grow * grow_r);
+    pxx[i] *= grow;
+    pxy[i] *= grow;
+    pyy[i] *= grow;
+    pxr[i] *= both;
+    pyr[i] *= both;
+    prr[i] *= grow_r;
   }
 }
 

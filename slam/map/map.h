@@ -7,6 +7,7 @@
 #include "platform/base/arena.h"
 #include "slam/filter/ancestry.h"
 #include "slam/filter/calibration.h"
+#include "slam/filter/drift.h"
 #include "slam/filter/landmark.h"
 #include "slam/map/landmark_info.h"
 
@@ -47,11 +48,19 @@ class Map {
   // How landmark and anchor depend on the camera's calibration (see calibration.h), and the
   // calibration that rows() moves them to.
   void set_calibration(const CalibrationVector& beta) { calibration_ = beta; }
+  // How noisy corners are (noise_scale.h): rows() widens covariances that were made while the noise
+  // was thought smaller.
+  void set_noise(float kappa) { kappa_ = kappa; }
   LandmarkSensitivity& by_calibration(int slot) {
     return calibrations_[static_cast<std::size_t>(slot)].B;
   }
   const PoseSensitivity& anchor_by_calibration(int slot) const {
     return anchor_calibrations_[static_cast<std::size_t>(info(slot).anchor)].A;
+  }
+  // How far an anchor may have drifted (see drift.h); zero when it is created.
+  PlacedDrift& anchor_drift(int anchor) { return anchor_drifts_[static_cast<std::size_t>(anchor)]; }
+  const PlacedDrift& anchor_drift(int anchor) const {
+    return anchor_drifts_[static_cast<std::size_t>(anchor)];
   }
   // The way driven while the map was made: by it landmarks age.
   double way_m() const { return way_m_; }
@@ -116,9 +125,12 @@ class Map {
     CalibrationVector beta = CalibrationVector::Zero();
   };
   void follow_calibration(int slot, int anchor);
+  void follow_noise(int slot);
+  float kappa_ = 1.0F;
   CalibrationVector calibration_ = CalibrationVector::Zero();
   std::span<LandmarkCalibration> calibrations_;
   std::span<AnchorCalibration> anchor_calibrations_;
+  std::span<PlacedDrift> anchor_drifts_;
 };
 
 }  // namespace zenith

@@ -119,7 +119,7 @@ ImportCounters MapImport::run(Map& own, Map& other, std::span<const Pose2> T_own
   const auto theirs = other.landmarks();
   for (std::size_t slot = 0; slot < theirs.size(); ++slot) {
     if (theirs[slot].state == LandmarkState::kFree || own_of_[slot] >= 0) continue;
-    if (take_over(own, other, static_cast<int>(slot), T_own_other)) {
+    if (take_over(own, other, static_cast<int>(slot), T_own_other, T_mean)) {
       own.info(own_of_[slot]).last_seen_way_m = theirs[slot].last_seen_way_m + later_m;
       ++counters.imported;
     } else {
@@ -137,12 +137,16 @@ ImportCounters MapImport::run(Map& own, Map& other, std::span<const Pose2> T_own
   return counters;
 }
 
-bool MapImport::take_over(Map& own, Map& other, int slot, std::span<const Pose2> T_own_other) {
+bool MapImport::take_over(Map& own, Map& other, int slot, std::span<const Pose2> T_own_other,
+                          const Pose2& T_mean) {
   const LandmarkInfo& from = other.info(slot);
   const LandmarkRows rows = other.rows(slot);
   std::int32_t& anchor = anchor_of_[static_cast<std::size_t>(from.anchor)];
-  if (anchor < 0) anchor = take_over_anchor(own, rows, T_own_other);
-  if (anchor < 0) return false;
+  if (anchor < 0) {
+    anchor = take_over_anchor(own, rows, T_own_other);
+    if (anchor < 0) return false;
+    own.anchor_drift(anchor) = other.anchor_drift(from.anchor).moved(T_mean);
+  }
   const int to = own.create(anchor);
   if (to < 0) {
     own.release_if_unused(anchor);

@@ -46,7 +46,8 @@ class MapImport {
 
  private:
   int find_twin(const Map& own, const Map& other, int slot, const Pose2& T_own_other) const;
-  bool take_over(Map& own, Map& other, int slot, std::span<const Pose2> T_own_other);
+  bool take_over(Map& own, Map& other, int slot, std::span<const Pose2> T_own_other,
+                 const Pose2& T_mean);
   int take_over_anchor(Map& own, const LandmarkRows& rows, std::span<const Pose2> T_own_other);
 
   std::span<SlotPair> pairs_;          // kMaxLandmarks

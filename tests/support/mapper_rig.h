@@ -22,8 +22,10 @@ class MapperRig {
 
   // The robot moves by `step` as its wheels tell it, plus noise after the motion model, looks at
   // the ceiling, and the mapper is told. The first frame
-  // is the start frame: call it with no motion. `told` is the share of it that the wheels tell.
-  void drive(const Pose2& commanded, const PointWorld& world, Random& random, double told = 1.0) {
+  // is the start frame: call it with no motion. `told` is the share of it that the wheels tell,
+  // `noisier` how many times noisier corners are than the parameters say.
+  void drive(const Pose2& commanded, const PointWorld& world, Random& random, double told = 1.0,
+             double noisier = 1.0) {
     const Wheels& wheels = mapper_.robot().wheels;
     WheelTravel travel = wheel_travel(wheels, commanded.x_m, commanded.theta_rad);
     const MotionNoise noise = {parameters_.distance_noise_per_sqrt_m,
@@ -35,8 +37,8 @@ class MapperRig {
     const double left = sigma.y() * random.normal();
     const double turn = sigma.z() * random.normal();
     truth_ = truth_ * motion.mean * Pose2{forward, left, turn};
-    world.observe(truth_, mapper_.robot(), view_.pinhole(), parameters_.pixel_sigma_px, random,
-                  features_[0]);
+    world.observe(truth_, mapper_.robot(), view_.pinhole(), noisier * parameters_.pixel_sigma_px,
+                  random, features_[0]);
     if (told != 1.0) {
       travel = wheel_travel(wheels, told * commanded.x_m, told * commanded.theta_rad);
     }

@@ -33,6 +33,16 @@ struct ReturnFigures {
   double percent() const { return 100.0 * before_m / driven_m; }  // of the way
 };
 
+// The last pose against the truth, in the start frame, and whether the stated covariance P is
+// honest: e^T P^-1 e over (x, y, theta) is 3 on average when it is.
+struct EndFigures {
+  double position_m = 0.0;
+  double angle_rad = 0.0;
+  double stated_position_m = 0.0;  // root of the trace
+  double stated_angle_rad = 0.0;
+  double nees = 0.0;
+};
+
 struct StepTimes {
   double median_ms = 0.0;
   double p95_ms = 0.0;
@@ -48,6 +58,7 @@ struct RobotFigures {
   std::optional<double> ate_m;
   std::optional<double> odometry_ate_m;
   std::optional<ReturnFigures> loop;
+  std::optional<EndFigures> end;
   StepTimes step;
   int landmarks = 0;
 };

@@ -37,6 +37,13 @@ nlohmann::json robot_json(const RobotFigures& robot) {
                       {"before_percent", robot.loop->percent()},
                       {"after_m", robot.loop->after_m}};
   }
+  if (robot.end) {
+    json["end"] = {{"position_m", robot.end->position_m},
+                   {"angle_deg", robot.end->angle_rad * kDegrees},
+                   {"stated_position_m", robot.end->stated_position_m},
+                   {"stated_angle_deg", robot.end->stated_angle_rad * kDegrees},
+                   {"nees", robot.end->nees}};
+  }
   return json;
 }
 

@@ -62,6 +62,7 @@ struct Collected {
   std::vector<double> ate, odometry, ratio, return_percent, return_after, step_median, step_p95,
       step_max;
   std::vector<double> driven, merge_m, merge_deg, later_m, later_deg, end_m, end_deg, circle_m;
+  std::vector<double> nees;
   std::vector<double> through_m, through_deg, trip_m, trip_deg;
   int robots = 0, pairs = 0, overlapping = 0, merged = 0, wrong = 0, false_merges = 0,
       withdrawn = 0, doubles = 0;
@@ -76,6 +77,7 @@ void collect_robot(const RobotFigures& robot, Collected& all) {
     all.return_percent.push_back(robot.loop->percent());
     all.return_after.push_back(robot.loop->after_m);
   }
+  if (robot.end) all.nees.push_back(robot.end->nees);
   all.step_median.push_back(robot.step.median_ms);
   all.step_p95.push_back(robot.step.p95_ms);
   all.step_max.push_back(robot.step.max_ms);
@@ -133,6 +135,9 @@ std::string summary_text(std::span<const TeamFigures> runs) {
   table.add({"ATE m", median_and_worst(all.ate, 3)});
   table.add({"ATE of odometry alone m", median_and_worst(all.odometry, 3)});
   table.add({"ratio of the two", median_and_worst(all.ratio, 2)});
+  if (!all.nees.empty()) {
+    table.add({"NEES of the last pose (3 is honest)", median_and_worst(all.nees, 1)});
+  }
   if (!all.return_percent.empty()) {
     table.add({"error at the return, % of way", median_and_worst(all.return_percent, 2)});
     table.add({"error after the return m", median_and_worst(all.return_after, 3)});

@@ -174,6 +174,7 @@ std::string summary_text_of(const TeamLog& log, const TeamFigures& figures,
       robot["memory"].push_back({{"part", part.name}, {"bytes", part.bytes}});
     }
     robot["counters"] = counters_json(log.robots[i].counters);
+    robot["corner_sigma_px"] = log.robots[i].corner_sigma_px;
     if (i < run.warnings.size()) robot["warnings"] = run.warnings[i];
     int merges = 0;
     for (const PairFigures& pair : figures.pairs) {

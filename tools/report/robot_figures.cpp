@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/Cholesky>
+
 #include "tools/report/ate.h"
 
 namespace zenith::tools {
@@ -65,6 +67,21 @@ std::optional<ReturnFigures> judge_return(const RobotLog& log, const Points& tru
   return figures;
 }
 
+EndFigures judge_end(const FrameLog& first, const FrameLog& last) {
+  const Pose2 truth = first.truth->inverse() * *last.truth;
+  const Pose2& pose = last.T_start_robot;
+  const Eigen::Vector3d e(pose.x_m - truth.x_m, pose.y_m - truth.y_m,
+                          wrap_angle(pose.theta_rad - truth.theta_rad));
+  const Eigen::Matrix3d& P = last.pose_covariance;
+  EndFigures figures;
+  figures.position_m = e.head<2>().norm();
+  figures.angle_rad = std::abs(e.z());
+  figures.stated_position_m = std::sqrt(P(0, 0) + P(1, 1));
+  figures.stated_angle_rad = std::sqrt(P(2, 2));
+  figures.nees = e.dot(P.ldlt().solve(e));
+  return figures;
+}
+
 }  // namespace
 
 StepTimes judge_steps(const RobotLog& log) {
@@ -98,7 +115,9 @@ RobotFigures judge_robot(const RobotLog& log) {
   figures.true_path_m = length_of(truth);
   figures.ate_m = absolute_trajectory_error(estimate, truth).rmse_m;
   figures.odometry_ate_m = absolute_trajectory_error(odometry, truth).rmse_m;
-  if (truth.size() == log.frames.size()) figures.loop = judge_return(log, truth);
+  if (truth.size() != log.frames.size()) return figures;
+  figures.end = judge_end(log.frames.front(), log.frames.back());
+  figures.loop = judge_return(log, truth);
   return figures;
 }
 

@@ -52,6 +52,7 @@ void Member::log_step(double step_s) {
   log.matched = output.matched;
   log.inliers = output.inliers;
   log.effective_sample_size = output.effective_sample_size;
+  log.pose_covariance = output.pose_covariance;
   log.peers = partners_;
   for (const Alignment& alignment : slam_->alignments()) {
     const int peer = peer_of_slot(index_, alignment.peer);
@@ -98,6 +99,7 @@ void Member::read_maps() {
 
 RobotLog Member::finish() {
   log_.counters = slam_->counters();
+  log_.corner_sigma_px = slam_->output().corner_sigma_px;
   read_maps();
   log_.correspondences.resize(static_cast<std::size_t>(team_size_));
   for (int peer = 0; peer < team_size_; ++peer) {

@@ -37,6 +37,7 @@ struct FrameLog {
   int matched = 0;
   int inliers = 0;
   double effective_sample_size = 0.0;
+  Eigen::Matrix3d pose_covariance = Eigen::Matrix3d::Zero();
   std::vector<PeerLog> peers;
 };
 
@@ -44,7 +45,8 @@ struct RobotLog {
   std::string name;
   std::vector<FrameLog> frames;
   StepCounters counters;
-  MemoryTable memory;  // of its Slam
+  double corner_sigma_px = 0.0;  // of the last step
+  MemoryTable memory;            // of its Slam
   std::vector<LandmarkEstimate> landmarks;
   std::vector<FusedLandmark> fused;                          // `source` is a slot, see peer_of_slot
   std::vector<std::vector<Correspondence>> correspondences;  // by the peer's index in the team

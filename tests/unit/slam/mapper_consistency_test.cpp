@@ -26,7 +26,10 @@ struct Consistency {
 
 // Independent worlds, drives and filters; the noise is what the parameters say; the calibration is
 // right and not learned. At the end of `way_m` in steps of 5 cm.
-Consistency measure(std::uint64_t seed, int runs, int particles, double way_m) {
+// `stated`: the covariance that the step states, not the spread of the particles alone; `noisier`:
+// corners, than the parameters say.
+Consistency measure(std::uint64_t seed, int runs, int particles, double way_m, bool stated = false,
+                    double noisier = 1.0) {
   Parameters p;
   p.particles = particles;
   p.pixel_sigma_px = 0.5;
@@ -40,12 +43,13 @@ Consistency measure(std::uint64_t seed, int runs, int particles, double way_m) {
     Random random(seed + k);
     const PointWorld world = PointWorld::scatter(random, 200, -5.0, way_m + 5.0, -5.0, 5.0);
     auto rig = std::make_unique<MapperRig>(robot, p, seed + 1000 + k);
-    rig->drive({}, world, random);
+    rig->drive({}, world, random, 1.0, noisier);
     for (int i = 0; i < std::lround(way_m / 0.05); ++i) {
-      rig->drive({0.05, 0.0, 0.002 * std::sin(0.05 * i)}, world, random);
+      rig->drive({0.05, 0.0, 0.002 * std::sin(0.05 * i)}, world, random, 1.0, noisier);
     }
     const Eigen::Vector3d e = rig->error();
-    const Eigen::Matrix3d& P = rig->mapper().pose().covariance;
+    const Eigen::Matrix3d P =
+        stated ? rig->mapper().pose_covariance() : rig->mapper().pose().covariance;
     out.nees += e.dot(P.ldlt().solve(e)) / runs;
     out.rms += e.cwiseAbs2() / runs;
     out.sigma += P.diagonal() / runs;
@@ -84,6 +88,37 @@ TEST(MapperConsistency, IsTooSureOverALongerWay) {
   print("after 6 m, 200 particles", few);
   EXPECT_LT(few.rms.head<2>().norm(), 0.003 * 6.0);
   EXPECT_LT(few.rms.z(), 0.003);
+}
+
+// What the step states makes up for it: the drift that the particles do not know, and corners that
+// are noisier than the parameters say.
+TEST(MapperConsistency, StatedCovariancesHoldOverALongerWay) {
+  const TestSeed seed;
+  const Consistency as_said = measure(seed.value(), 12, 200, 6.0, true);
+  print("stated, after 6 m, 200 particles", as_said);
+  EXPECT_LT(as_said.nees, 6.0);
+  EXPECT_GT(as_said.nees, 0.1);
+  const Consistency noisier = measure(seed.value() + 100, 12, 200, 6.0, true, 4.0);
+  print("stated, corners four times as noisy", noisier);
+  EXPECT_LT(noisier.nees, 6.0);
+  EXPECT_GT(noisier.nees, 0.1);
+}
+
+TEST(MapperConsistency, CornersThatAreNoisierThanSaidAreFoundToBeSo) {
+  const TestSeed seed;
+  for (const double noisier : {1.0, 2.0, 4.0}) {
+    Parameters p;
+    p.pixel_sigma_px = 0.35;
+    Random random(seed.value());
+    const PointWorld world = PointWorld::scatter(random, 200, -5.0, 9.0, -5.0, 5.0);
+    auto rig = std::make_unique<MapperRig>(RobotConfig{}, p, seed.value() + 7);
+    for (int i = 0; i < 80; ++i) {
+      rig->drive(i == 0 ? Pose2{} : Pose2{0.05, 0.0, 0.001}, world, random, 1.0, noisier);
+    }
+    print_figure("corners %.1f times as noisy as said: found %.2f", noisier,
+                 rig->mapper().corner_sigma_px() / p.pixel_sigma_px);
+    EXPECT_NEAR(rig->mapper().corner_sigma_px() / p.pixel_sigma_px, noisier, 0.25 * noisier);
+  }
 }
 
 }  // namespace

@@ -247,7 +247,11 @@ TEST_F(MapperRepair, TravelThatIsNoNumberIsNone) {
 TEST_F(MapperRepair, CornersThatAreNoNumbersMakeNoLandmarks) {
   world_.observe(rig_->truth(), mapper().robot(), rig_->view().pinhole(), 0.5, random_,
                  rig_->features());
-  for (Feature& f : rig_->features()) f.zx = f.zy = kNanF;
+  // The others show that the robot is where it is taken to be.
+  for (std::size_t k = 0; k < rig_->features().size(); k += 3) {
+    Feature& f = rig_->features()[k];
+    f.zx = f.zy = kNanF;
+  }
   mapper().update({0.1, 0.1}, rig_->features(), rig_->view());
   EXPECT_GT(repairs().landmarks_dropped, 0u);
   expect_sound();
