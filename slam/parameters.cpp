@@ -36,7 +36,8 @@ constexpr auto kTable = std::to_array<ParameterInfo>({
      "paper's",
      &P::optimal_proposal},
     {"pixel_sigma_px", "px", 0.05, 10,
-     "standard deviation of a corner's position, in pixels of the fisheye frame",
+     "least standard deviation of a corner's position, in pixels of the fisheye frame; more is "
+     "learned while driving",
      &P::pixel_sigma_px},
     {"gate_sigma", "", 1, 10, "matches further than this from their prediction are refused",
      &P::gate_sigma},
