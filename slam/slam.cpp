@@ -32,6 +32,7 @@ Slam::Slam(const RobotConfig& robot, const Parameters& given, std::uint64_t seed
   state_->extractor.build(robot, parameters);
   state_->mapper.build(robot, parameters, seed);
   state_->fleet.build(parameters);
+  state_->watch.build(robot);
   state_->counters.parameters_limited = static_cast<std::uint64_t>(limited);
 }
 
@@ -74,6 +75,8 @@ bool Slam::State::begin(const StepInput& input) {
   output.stamp = input.stamp;
   output.stamp_jitter_s = clock.jitter_s();
   output.corners = static_cast<int>(features->size());
+  watch.observe({input.stamp, features->span(), extractor.rectified(), extractor.repeated()},
+                wheels);
   const bool moved =
       mapper.worth_using(travel) || (!extractor.repeated() && mapper.sees_push(*features));
   output.repeated = moved && extractor.repeated();
@@ -94,6 +97,7 @@ void Slam::State::finish(bool used_frame, const Pose2& T_own_map) {
   Pose2 pose = mapper.pose().mean;
   used_last = used_frame;
   output.tracking = mapper.tracking();
+  watch.note_tracking(output.tracking == TrackingState::kLost, output.stamp);
   if (used_frame) {
     used = now;
     has_used = true;
@@ -142,6 +146,14 @@ void Slam::look(Picture& out) const {
     seen.predicted_u_px = static_cast<float>(at.x());
     seen.predicted_v_px = static_cast<float>(at.y());
   }
+}
+
+const SetupVerdict& Slam::verdict() const {
+  return state_->watch.verdict();
+}
+
+const SetupMeasures& Slam::setup_measures() const {
+  return state_->watch.measures();
 }
 
 StepCounters Slam::counters() const {

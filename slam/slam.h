@@ -25,6 +25,8 @@
 #include "slam/picture.h"
 #include "slam/recovery/tracking.h"
 #include "slam/robot.h"
+#include "slam/watch/measures.h"
+#include "slam/watch/verdict.h"
 #include "slam/wheels.h"
 
 namespace zenith {
@@ -85,6 +87,10 @@ class Slam {
   // What its frame showed. Copies 105 kB.
   void look(Picture& out) const;
   StepCounters counters() const;
+
+  // Whether the set-up can be right, and what of it was measured: slam/watch.
+  const SetupVerdict& verdict() const;
+  const SetupMeasures& setup_measures() const;
 
   // Own promoted landmarks, in rising id, into `out`; returns how many were written.
   std::size_t landmarks(std::span<LandmarkEstimate> out) const;

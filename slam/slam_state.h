@@ -8,6 +8,7 @@
 #include "slam/mapper.h"
 #include "slam/observed.h"
 #include "slam/slam.h"
+#include "slam/watch/setup_watch.h"
 
 namespace zenith {
 
@@ -20,6 +21,7 @@ struct Slam::State {
   FrameClock clock;
   StampGuard stamps{kOtherClockFrames};
   DeadReckoning dead_reckoning;
+  SetupWatch watch;
   WheelTravel used;  // total travel at the last used frame
   bool has_used = false;
   bool used_last = false;  // the last frame
