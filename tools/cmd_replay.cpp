@@ -15,6 +15,9 @@
 namespace zenith::tools {
 namespace {
 
+// The maps were written, but the set-up of a robot contradicts itself.
+constexpr int kWrongSetup = 3;
+
 constexpr const char* kHelp =
     R"(Runs the recordings through SLAM, in the order of their stamps, each as one robot named after
 its folder; the robots tell each other their landmarks at once. The same recordings, seed and
@@ -29,6 +32,10 @@ with what all of them see at the same time (the paper's Eq. 2-3). Trajectories s
 own start frame, alignments.csv then holds the alignment at which the filters were joined, and
 landmarks.csv of each of them the one map, in its own start frame. All cameras must be at the same
 height.
+
+For each robot a verdict is printed, and written to summary.json, on whether its set-up can be right:
+camera, wheels and their clocks are compared with each other (docs/verdict.md). The exit code is 0
+when all are good or doubtful, 3 when one is wrong: the maps are written but not to be used.
 
 Examples:
   zenith replay rec/a rec/b --out out
@@ -61,10 +68,10 @@ int run_replay(ReplayCommand& command) {
   if (!result.ok()) return fail(result.error());
   if (const Status placed = output->commit(); !placed) return fail(placed.error());
   warn(result->warnings);
-  std::printf("%s\nmemory: %.1f MiB for each robot, taken at the start\n%s\n",
-              figures_text(result->figures).c_str(),
+  std::printf("%s%s\nmemory: %.1f MiB for each robot, taken at the start\n%s\n",
+              figures_text(result->figures).c_str(), verdicts_text(result->figures).c_str(),
               static_cast<double>(result->memory_bytes) / (1024.0 * 1024.0), command.out.c_str());
-  return 0;
+  return is_wrong(result->figures) ? kWrongSetup : 0;
 }
 
 }  // namespace

@@ -61,6 +61,7 @@ struct RobotFigures {
   std::optional<EndFigures> end;
   StepTimes step;
   int landmarks = 0;
+  std::optional<SetupVerdict> verdict;  // of the set-up, where the run said one
 };
 
 // What `own` made of its transform with `peer`.

@@ -18,6 +18,16 @@ nlohmann::json error_json(const std::optional<TransformError>& error) {
           {"wrong", error->wrong()}};
 }
 
+nlohmann::json verdict_json(const SetupVerdict& verdict) {
+  nlohmann::json reasons = nlohmann::json::array();
+  for (const Reason& reason : verdict.reasons) {
+    reasons.push_back({{"code", setup_code_name(reason.code)},
+                       {"text", reason_text(reason).view()},
+                       {"since_s", reason.since_s}});
+  }
+  return {{"state", verdict_name(verdict.state)}, {"reasons", reasons}};
+}
+
 nlohmann::json robot_json(const RobotFigures& robot) {
   nlohmann::json json = {
       {"name", robot.name},
@@ -30,6 +40,7 @@ nlohmann::json robot_json(const RobotFigures& robot) {
       {"landmarks", robot.landmarks},
       {"step_ms",
        {{"median", robot.step.median_ms}, {"p95", robot.step.p95_ms}, {"max", robot.step.max_ms}}}};
+  if (robot.verdict) json["verdict"] = verdict_json(*robot.verdict);
   if (robot.loop) {
     json["return"] = {{"time_s", robot.loop->time_s},
                       {"driven_m", robot.loop->driven_m},

@@ -113,6 +113,26 @@ std::string error_summary(const std::vector<double>& metres, const std::vector<d
 
 }  // namespace
 
+std::string verdicts_text(const TeamFigures& figures) {
+  std::string text;
+  for (const RobotFigures& robot : figures.robots) {
+    if (!robot.verdict) continue;
+    text += "  set-up of " + robot.name + ": " + std::string(verdict_name(robot.verdict->state));
+    text += "\n";
+    for (const Reason& reason : robot.verdict->reasons) {
+      text += "    " + std::string(setup_code_name(reason.code)) + ", since " +
+              fixed(reason.since_s, 1) + " s: " + std::string(reason_text(reason).view()) + "\n";
+    }
+  }
+  return text;
+}
+
+bool is_wrong(const TeamFigures& figures) {
+  return std::any_of(figures.robots.begin(), figures.robots.end(), [](const RobotFigures& robot) {
+    return robot.verdict && robot.verdict->state == VerdictState::kWrong;
+  });
+}
+
 std::string figures_text(const TeamFigures& figures) {
   std::string text = robots_text(figures) + pairs_text(figures);
   for (const PairFigures& pair : figures.pairs) {

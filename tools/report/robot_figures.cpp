@@ -97,6 +97,7 @@ RobotFigures judge_robot(const RobotLog& log) {
   figures.frames = static_cast<int>(log.frames.size());
   figures.landmarks = static_cast<int>(log.landmarks.size());
   figures.step = judge_steps(log);
+  figures.verdict = log.verdict;
   if (log.frames.empty()) return figures;
   figures.duration_s = (log.frames.back().stamp - log.frames.front().stamp).seconds();
   Points path;

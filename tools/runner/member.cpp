@@ -100,6 +100,8 @@ void Member::read_maps() {
 RobotLog Member::finish() {
   log_.counters = slam_->counters();
   log_.corner_sigma_px = slam_->output().corner_sigma_px;
+  log_.verdict = slam_->verdict();
+  log_.setup = slam_->setup_measures();
   read_maps();
   log_.correspondences.resize(static_cast<std::size_t>(team_size_));
   for (int peer = 0; peer < team_size_; ++peer) {

@@ -45,6 +45,8 @@ struct RobotLog {
   std::string name;
   std::vector<FrameLog> frames;
   StepCounters counters;
+  SetupVerdict verdict;
+  SetupMeasures setup;
   double corner_sigma_px = 0.0;  // of the last step
   MemoryTable memory;            // of its Slam
   std::vector<LandmarkEstimate> landmarks;
