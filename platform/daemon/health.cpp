@@ -17,6 +17,14 @@ int merged_peers(const PerceptionReport& report) {
   return count;
 }
 
+// The gravest that is active; a robot that was not judged yet is as well as any.
+const Reason* active_reason(const SetupVerdict& verdict) {
+  for (const Reason& reason : verdict.reasons) {
+    if (reason.active && reason.code != SetupCode::kNotJudgedYet) return &reason;
+  }
+  return nullptr;
+}
+
 }  // namespace
 
 const char* light_name(RobotLight light) {
@@ -55,8 +63,15 @@ Health judge_health(const PerceptionReport& report, const Lately& lately, Time s
   if (std::max(without_frames, without_wheels) > kFaultAfter) return {RobotLight::kFault, reason};
   if (!report.has_pose) return {RobotLight::kStarting, reason};
   if (!reason.empty()) return {RobotLight::kDegraded, reason};
+  const Reason* worst = active_reason(report.verdict);
+  if (worst != nullptr && worst->severity == VerdictState::kWrong) {
+    return {RobotLight::kDegraded, kSetupWrong};
+  }
   if (report.tracking == TrackingState::kLost) {
     return {RobotLight::kDegraded, "lost: the ceiling is not that of where the robot should be"};
+  }
+  if (worst != nullptr) {
+    return {RobotLight::kDegraded, kSetupDoubtful};
   }
   if (report.repaired && now - report.last_repair < kDegradedAfterRepair) {
     return {RobotLight::kDegraded, "the filter had to repair its numbers"};
@@ -72,6 +87,10 @@ Health judge_health(const PerceptionReport& report, const Lately& lately, Time s
 std::string status_text(const PerceptionReport& report, const Health& health) {
   std::string text = light_name(health.light);
   if (!health.reason.empty()) text += ": " + health.reason;
+  const bool setup = health.reason == kSetupWrong || health.reason == kSetupDoubtful;
+  if (const Reason* worst = active_reason(report.verdict); setup && worst != nullptr) {
+    text += " (" + std::string(setup_code_name(worst->code)) + ")";
+  }
   if (!report.has_pose) return text;
   char pose[128];
   std::snprintf(pose, sizeof pose, ", at %.2f %.2f m, %.1f deg, %llu landmarks promoted",

@@ -21,6 +21,9 @@ inline constexpr Duration kFaultAfter = {15'000'000'000};
 inline constexpr Duration kDegradedAfter = {1'500'000'000};
 // A filter that had to repair its numbers is watched for so long.
 inline constexpr Duration kDegradedAfterRepair = {10'000'000'000};
+// The verdict on camera, wheels and clocks, by its gravest active reason.
+inline constexpr const char* kSetupWrong = "the set-up is wrong";
+inline constexpr const char* kSetupDoubtful = "the set-up is doubtful";
 // A reason that perception does not know of.
 inline constexpr const char* kMapNotKept = "the map cannot be kept";
 

@@ -54,6 +54,10 @@ const char* event_name(PerceptionEventKind kind) {
       return "load-shed";
     case PerceptionEventKind::kShedNoMore:
       return "load-shed-no-more";
+    case PerceptionEventKind::kReasonGiven:
+      return "setup-reason";
+    case PerceptionEventKind::kReasonWithdrawn:
+      return "setup-reason-withdrawn";
     case PerceptionEventKind::kRepaired:
       return "filter-repaired";
   }
@@ -64,6 +68,10 @@ const char* event_name(PerceptionEventKind kind) {
 LogFields fields_of(const PerceptionEvent& event, const char* peer) {
   LogFields fields(event_name(event.kind));
   if (event.kind == PerceptionEventKind::kShedding) fields.number("ZENITH_CORNERS", event.value);
+  if (event.kind == PerceptionEventKind::kReasonGiven ||
+      event.kind == PerceptionEventKind::kReasonWithdrawn) {
+    fields.text("ZENITH_REASON", event.text);
+  }
   if (event.kind == PerceptionEventKind::kRepaired) {
     fields.text("ZENITH_REPAIR", event.text).number("ZENITH_REPAIRS", event.value);
   }
@@ -179,6 +187,12 @@ void Housekeeping::log_event(const PerceptionEvent& event) const {
                       "a step takes too long: %d corners for each frame", event.value);
     case PerceptionEventKind::kShedNoMore:
       return log_line(LogLevel::kNotice, fields, "steps are quick enough again: all corners");
+    case PerceptionEventKind::kReasonGiven:
+      return log_line(LogLevel::kWarning, fields, "set-up %s: %s: %s",
+                      verdict_name(event.reason.severity).data(), event.text,
+                      reason_text(event.reason).c_str());
+    case PerceptionEventKind::kReasonWithdrawn:
+      return log_line(LogLevel::kNotice, fields, "set-up: no longer %s", event.text);
     case PerceptionEventKind::kRepaired:
       return log_line(LogLevel::kWarning, fields,
                       "numbers of the filter were not finite or beyond their bounds, and are "
@@ -267,6 +281,9 @@ void Housekeeping::send_second(Time now) {
   write_health(health, report_, health_, cooperation_.counters());
   write_clock(health, system_clock_offset());
   telemetry_.send(health.finish());
+  VerdictLine verdict;
+  write_verdict(verdict, report_.verdict, report_.written);
+  telemetry_.send(verdict.finish());
   JsonLine deadlines;
   write_deadlines(deadlines, perception_.deadlines());
   telemetry_.send(deadlines.finish());

@@ -110,5 +110,7 @@ class BasicJsonLine {
 };
 
 using JsonLine = BasicJsonLine<4096>;
+// With a line of text for each code of a verdict.
+using VerdictLine = BasicJsonLine<12288>;
 
 }  // namespace zenith

@@ -218,6 +218,7 @@ void Perception::use_frame() {
   if (output.accepted) note_step(report_, output);
   note_alignments();
   note_repairs();
+  note_verdict();
 
   if (tap_ != nullptr && output.accepted)
     tap_->add(tap::TappedPose{output.stamp, output.T_start_robot});
@@ -317,6 +318,21 @@ void Perception::note_repairs() {
   }
 }
 
+// Reasons that came and went with this frame.
+void Perception::note_verdict() {
+  const SetupVerdict before = report_.verdict;
+  const SetupVerdict& after = slam_->verdict();
+  const auto tell_new = [this](const SetupVerdict& from, const SetupVerdict& to,
+                               PerceptionEventKind kind) {
+    for (const Reason& reason : to.reasons) {
+      if (reason.code != SetupCode::kNotJudgedYet && !gives(from, reason.code)) tell(kind, reason);
+    }
+  };
+  tell_new(before, after, PerceptionEventKind::kReasonGiven);
+  tell_new(after, before, PerceptionEventKind::kReasonWithdrawn);
+  report_.verdict = after;
+}
+
 void Perception::note_load(Duration wall) {
   const bool shed_before = shedder_.sheds();
   shedder_.note(wall, period_.value());
@@ -342,6 +358,16 @@ void Perception::write_report(Time now) {
   report_.corners_max = shedder_.corners_max();
   report_.faults = thread_page_faults() - faults_at_start_;
   reports_.write(report_);
+}
+
+void Perception::tell(PerceptionEventKind kind, const Reason& reason) {
+  PerceptionEvent event;
+  event.kind = kind;
+  event.text = setup_code_name(reason.code).data();
+  event.at = monotonic_now();
+  event.pose = report_.T_start_robot;
+  event.reason = reason;
+  events_.push(event);  // full: counted by the queue
 }
 
 void Perception::tell(PerceptionEventKind kind, const char* text, int peer, int value) {

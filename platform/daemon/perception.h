@@ -99,9 +99,11 @@ class Perception {
   void leave_picture();
   void note_alignments();
   void note_repairs();
+  void note_verdict();
   void note_load(Duration wall);
   void write_report(Time now);
   void tell(PerceptionEventKind kind, const char* text = "", int peer = 0, int value = 0);
+  void tell(PerceptionEventKind kind, const Reason& reason);
 
   Devices& devices_;
   Exchange& exchange_;

@@ -76,6 +76,7 @@ struct PerceptionReport {
   std::uint64_t frames_frozen = 0;          // old pictures under new stamps: not used
   std::uint64_t wheels_late = 0;            // frames that did not get the wheels of their moment
   std::uint64_t wheel_samples_dropped = 0;  // no frame came to use them
+  SetupVerdict verdict;                     // on camera, wheels and their clocks
   bool repaired = false;                    // the filter had to repair its numbers
   Time last_repair;                         // if so
   PageFaults faults;                        // of the thread since the loop began
@@ -96,6 +97,8 @@ enum class PerceptionEventKind : std::uint8_t {
   kWithdrawn,  // from `peer`
   kShedding,   // `value` corners from now on
   kShedNoMore,
+  kReasonGiven,      // `reason`: of the verdict on the set-up
+  kReasonWithdrawn,  // likewise
   kRepaired,  // numbers of the filter: `text` names the kind, `value` repairs since the start
 };
 
@@ -106,6 +109,7 @@ struct PerceptionEvent {
   int value = 0;
   Time at;
   Pose2 pose;
+  Reason reason;
 };
 
 }  // namespace zenith

@@ -199,6 +199,22 @@ void write_health(JsonLine& line, const PerceptionReport& report, const Health& 
       .end();
 }
 
+void write_verdict(VerdictLine& line, const SetupVerdict& verdict, Time now) {
+  line.text("type", "verdict")
+      .count("stamp_ns", ns_of(now))
+      .text("state", verdict_name(verdict.state));
+  line.begin("reasons");
+  for (const Reason& reason : verdict.reasons) {
+    line.begin(setup_code_name(reason.code))
+        .text("severity", verdict_name(reason.severity))
+        .text("text", reason_text(reason).view())
+        .number("since_s", reason.since_s)
+        .flag("active", reason.active)
+        .end();
+  }
+  line.end();
+}
+
 void write_radio(JsonLine& line, const LinkStatus& status, Time now) {
   line.text("type", "radio")
       .count("stamp_ns", ns_of(now))

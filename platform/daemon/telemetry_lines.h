@@ -23,6 +23,8 @@ void write_alignment(JsonLine& line, const PeerReport& peer, std::string_view na
 void write_health(JsonLine& line, const PerceptionReport& report, const Health& health,
                   const CooperationCounters& cooperation);
 void write_stored_map(JsonLine& line, const MapStatus& status, Time now);
+// The gravest reasons first.
+void write_verdict(VerdictLine& line, const SetupVerdict& verdict, Time now);
 void write_radio(JsonLine& line, const LinkStatus& status, Time now);
 void write_peer(JsonLine& line, const LinkPeer& peer, Time now);
 void write_deadlines(JsonLine& line, const Deadlines& deadlines);

@@ -11,6 +11,7 @@
 #include "platform/linux/errno_text.h"
 #include "platform/linux/local_socket.h"
 #include "platform/linux/wait_readable.h"
+#include "slam/watch/verdict.h"
 #include "tools/record/source.h"
 #include "tools/view/telemetry_line.h"
 
@@ -54,6 +55,28 @@ Finding check_health(const TelemetryLine& health) {
   if (state == "fault")
     return fail(what, found, "its log says more", "journalctl -u zenithd -n 50");
   return warn(what, found, "its log says more", "journalctl -u zenithd -n 50");
+}
+
+// A line for each reason of the verdict on camera, wheels and clocks.
+Findings check_setup(const TelemetryLine& verdict) {
+  const std::string what = "set-up";
+  const auto reasons = verdict.shown().find("reasons");
+  Findings findings;
+  if (reasons != verdict.shown().end() && reasons->is_object()) {
+    for (const auto& [code, reason] : reasons->items()) {
+      const std::string at = "/reasons/" + code;
+      const std::string advice = text(verdict, (at + "/text").c_str());
+      if (code == setup_code_name(SetupCode::kNotJudgedYet)) {
+        findings.push_back(skip(what, advice));
+      } else if (text(verdict, (at + "/severity").c_str()) == verdict_name(VerdictState::kWrong)) {
+        findings.push_back(fail(what, code, advice));
+      } else {
+        findings.push_back(warn(what, code, advice));
+      }
+    }
+  }
+  if (findings.empty()) findings.push_back(ok(what, "camera, wheels and their clocks agree"));
+  return findings;
 }
 
 Finding check_devices(const TelemetryLine& health) {
@@ -175,6 +198,9 @@ Findings check_daemon(const DaemonFacts& facts) {
   }
   findings.push_back(check_health(health->second));
   findings.push_back(check_devices(health->second));
+  if (const auto verdict = lines.find("verdict"); verdict != lines.end()) {
+    append(findings, check_setup(verdict->second));
+  }
   if (const auto deadlines = lines.find("deadlines"); deadlines != lines.end()) {
     findings.push_back(check_deadlines(deadlines->second));
   }

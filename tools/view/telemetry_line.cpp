@@ -61,6 +61,8 @@ constexpr Field kFields[] = {
     {"health", "/map", Shape::kObject},
     {"health", "/load", Shape::kObject},
     {"health", "/page_faults", Shape::kObject},
+    {"verdict", "/state", Shape::kText},
+    {"verdict", "/reasons", Shape::kObject},
     {"deadlines", "/met", Shape::kNumber},
     {"deadlines", "/missed", Shape::kNumber},
     {"deadlines", "/explained", Shape::kNumber},
@@ -214,7 +216,7 @@ class LineDecoder {
     if (type == "forgotten") return void(out_.content_ = ForgottenLine{owner()});
     if (type == "picture") return take_picture();
     if (type == "strip") return take_strip();
-    for (const char* figures : {"health", "deadlines", "radio", "stored_map"}) {
+    for (const char* figures : {"health", "verdict", "deadlines", "radio", "stored_map"}) {
       if (type == figures) out_.content_ = FiguresLine{};
     }
   }

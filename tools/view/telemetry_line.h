@@ -75,7 +75,7 @@ struct StripLine {
   int first_row = 0;
   std::vector<std::uint8_t> grey;
 };
-// health, deadlines, radio, stored_map: figures that are shown as they are.
+// health, verdict, deadlines, radio, stored_map: figures that are shown as they are.
 struct FiguresLine {};
 struct UnknownLine {};
 

@@ -62,6 +62,26 @@ TEST(Health, IsDegradedWhileTheRobotIsLost) {
   EXPECT_THAT(at(report, now).reason, HasSubstr("lost"));
 }
 
+TEST(Health, IsDegradedAsLongAsTheSetUpIsDoubtfulOrWrong) {
+  const Time now = kStart + Duration{60 * kSecond};
+  PerceptionReport report = mapping(now);
+  report.verdict.reasons.push_back(
+      {SetupCode::kNotJudgedYet, VerdictState::kDoubtful, 0.0, 0.0, true});
+  EXPECT_EQ(at(report, now).light, RobotLight::kMapping) << "no robot has been judged at its start";
+  report.verdict.reasons.clear();
+  report.verdict.reasons.push_back(
+      {SetupCode::kWheelsSlipped, VerdictState::kDoubtful, 12.0, 3.0, false});
+  EXPECT_EQ(at(report, now).light, RobotLight::kMapping) << "it was long ago";
+  report.verdict.reasons[0].active = true;
+  EXPECT_EQ(at(report, now).light, RobotLight::kDegraded);
+  EXPECT_EQ(at(report, now).reason, kSetupDoubtful);
+  EXPECT_THAT(status_text(report, at(report, now)), HasSubstr("(wheels_slipped)"));
+  report.verdict.reasons[0] = {SetupCode::kWheelsSwapped, VerdictState::kWrong, 0.0, 3.0, true};
+  report.tracking = TrackingState::kLost;
+  EXPECT_EQ(at(report, now).reason, kSetupWrong) << "that is why it is lost";
+  EXPECT_THAT(status_text(report, at(report, now)), HasSubstr("(wheels_swapped)"));
+}
+
 // For a while, so that somebody sees it.
 TEST(Health, IsDegradedAfterTheFilterHadToRepairItsNumbers) {
   const Time now = kStart + Duration{60 * kSecond};

@@ -75,6 +75,12 @@ std::set<std::string> reasons() {
     report.last_frame = is(4) ? kNow : Time{};
     report.last_wheels = is(5) ? kNow : Time{};
     report.camera_frozen = is(6);
+    for (const VerdictState state : {VerdictState::kDoubtful, VerdictState::kWrong}) {
+      PerceptionReport judged = report;
+      judged.verdict.reasons.push_back({SetupCode::kYawWrong, state, 5.0, 0.0, true});
+      const Health health = judge_health(judged, {10, 0}, {}, kNow);
+      if (!health.reason.empty()) all.insert(health.reason);
+    }
     for (const std::uint64_t missed : {0, 9}) {
       const Health health = judge_health(report, {10, missed}, {}, kNow);
       if (!health.reason.empty()) all.insert(health.reason);

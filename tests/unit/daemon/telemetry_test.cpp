@@ -276,6 +276,30 @@ TEST(TelemetryLines, HealthTellsWhatWasRefusedAndRepaired) {
   EXPECT_EQ(report.steps.mapper.repairs.total(), 17u);
 }
 
+TEST(TelemetryLines, TellTheVerdictWithCodesAndAdvice) {
+  SetupVerdict verdict;
+  verdict.state = VerdictState::kWrong;
+  verdict.reasons.push_back({SetupCode::kYawWrong, VerdictState::kWrong, 90.0, 6.5, true});
+  VerdictLine line;
+  write_verdict(line, verdict, {5});
+  const std::string said(line.finish());
+  EXPECT_THAT(said, HasSubstr(R"("type":"verdict","stamp_ns":5,"state":"wrong","reasons":)"
+                              R"({"yaw_wrong":{"severity":"wrong","text":")"));
+  EXPECT_THAT(said, HasSubstr("90.0 degrees"));
+  EXPECT_THAT(said, HasSubstr(R"(,"since_s":6.5,"active":true}})"));
+}
+
+TEST(TelemetryLines, AVerdictFitsWithAllReasons) {
+  SetupVerdict verdict;
+  for (int i = 0; i < kSetupCodes; ++i) {
+    verdict.reasons.push_back(
+        {static_cast<SetupCode>(i), VerdictState::kDoubtful, -1.23456789e300, 1e9, false});
+  }
+  VerdictLine line;
+  write_verdict(line, verdict, {INT64_MAX});
+  EXPECT_NE(line.finish(), "");
+}
+
 // The longest lines that there can be fit.
 TEST(TelemetryLines, FitWithTheLargestNumbers) {
   PerceptionReport report;

@@ -2,7 +2,7 @@
 
 import {Fleet} from './state.js';
 import {MapView} from './map.js';
-import {showCounters, showEye, showHealth, showLeds, showPeers, showTime, swatch} from './panels.js';
+import {showCounters, showEye, showHealth, showLeds, showPeers, showTime, showVerdict, swatch} from './panels.js';
 
 const $ = id => document.getElementById(id);
 const kAskEvery_ms = 100;
@@ -199,6 +199,7 @@ function frame(now) {
   map.draw();
   showLegend();
   showHealth(robot);
+  showVerdict(robot);
   showEye(robot, $('look').checked, past);
   showPeers(robot, colourOf, current);
   showTime(robot, current);

@@ -59,6 +59,17 @@ export function showHealth(robot) {
   setChildren($('facts'), facts.flatMap(([name, value]) => [element('dt', name), element('dd', value)]));
 }
 
+// The verdict on camera, wheels and clocks: nothing while it is good.
+export function showVerdict(robot) {
+  const reasons = Object.entries(robot.lines.verdict?.reasons ?? {});
+  setChildren($('reasons'), reasons.map(([code, reason]) => {
+    const row = element('li', '', reason.severity === 'wrong' ? 'bad' : 'warn');
+    row.append(element('strong', code.replaceAll('_', ' ')), element('span', String(reason.text ?? '')));
+    return row;
+  }));
+  $('reasons').hidden = reasons.length === 0;
+}
+
 let eyeImage = null, eyeSerial = -1;
 
 export function showEye(robot, wanted, past) {
