@@ -24,7 +24,7 @@ constexpr double kPlain_m = 0.02;
 constexpr double kSlip_rad = 4.0 * kDegree;
 constexpr int kSlipsInRow = 12;
 // Enough to judge by: intervals, and standard deviations of the fit.
-constexpr double kLeastIntervals = 16.0;
+constexpr double kLeastIntervals = 10.0;
 constexpr double kSignSigma = 0.12;
 constexpr double kScaleSigma = 0.03;
 constexpr double kDirectionSigma = 0.05;
@@ -157,7 +157,7 @@ void SetupWatch::add(const Interval& interval) {
   straight_m_ += std::abs(now.x());
   ++added_;
   note_standing(seen, interval.to);
-  if (measures_.judged && signs_right_) note_jitter(interval, rest_rad, fade);
+  if (measures_.judged && signs_right_ && !slips) note_jitter(interval, rest_rad, fade);
   if (!measures_.judged || !signs_right_ || verdict_.state == VerdictState::kWrong) {
     slips_ = {};
   } else {
@@ -291,7 +291,7 @@ void SetupWatch::give(SetupCode code, double found, Bounds bounds, double value,
 
 void SetupWatch::judge_straight(const WheelFit& f, Time now) {
   const double yaw = std::abs(measures_.yaw_error_rad);
-  const double yaw_sigma = f.beta1_sigma / std::abs(f.beta1);
+  const double yaw_sigma = f.beta1_left_sigma / std::abs(f.beta1);
   give(SetupCode::kYawWrong, yaw - 2.0 * yaw_sigma, kYawBounds, measures_.yaw_error_rad / kDegree,
        now);
   give(SetupCode::kWheelsUnequal, std::abs(f.alpha1) - 2.0 * f.alpha1_sigma, kUnequalBounds,
@@ -307,9 +307,12 @@ void SetupWatch::judge_turns(const DelayedFits::Best& best, Time now) {
                     f.turn_rest < kExplained;
   give(kStampsApart, sure ? std::abs(best.delay_s) : 0.0, kDelayBounds_s, 1e3 * best.delay_s, now);
   give(kStampsJitter, measures_.jitter_s, kJitterBounds_s, 1e3 * measures_.jitter_s, now);
-  const double off = measures_.vertical.norm();
-  const double off_sigma = f.beta2_sigma * 0.5 * robot_.wheels.track_width_m;
-  give(kLensWrong, off - 2.0 * off_sigma, kVerticalBounds, std::atan(off) / kDegree, now);
+  // Across the direction of driving the ceiling's heights blur what is seen, along it they do not.
+  const double half_track_m = 0.5 * robot_.wheels.track_width_m;
+  const double along = std::abs(measures_.vertical.x()) - 2.0 * half_track_m * f.beta2_left_sigma;
+  const double across = std::abs(measures_.vertical.y()) - 3.0 * half_track_m * f.beta2_sigma;
+  give(kLensWrong, std::max(along, across), kVerticalBounds,
+       std::atan(measures_.vertical.norm()) / kDegree, now);
 }
 
 }  // namespace zenith

@@ -30,11 +30,12 @@ void FitSums::add(double u1, double u2, double turn_m, std::complex<double> shif
   tt += w * turn_m * turn_m;
   s1 += w * u1 * shift;
   s2 += w * u2 * shift;
-  ss += w * std::norm(shift);
+  ff += w * shift.real() * shift.real();
+  ll += w * shift.imag() * shift.imag();
 }
 
 void FitSums::fade(double f) {
-  for (double* sum : {&n, &u11, &u12, &u22, &t1, &t2, &tt, &ss}) *sum *= f;
+  for (double* sum : {&n, &u11, &u12, &u22, &t1, &t2, &tt, &ff, &ll}) *sum *= f;
   s1 *= f;
   s2 *= f;
 }
@@ -53,12 +54,16 @@ WheelFit fit(const FitSums& s) {
   out.turn_rest = s.tt > 0.0 ? rest / s.tt : 0.0;
   out.turn_rest_m2 = rest / s.n;
   const double turn2 = std::max(rest / (s.n - 2.0), kTurnFloor_m2);
-  const double seen = std::real(out.beta1 * std::conj(s.s1) + out.beta2 * std::conj(s.s2));
-  const double shift2 = std::max((s.ss - seen) / (2.0 * (s.n - 2.0)), kShiftFloor);
+  const double forward = s.ff - out.beta1.real() * s.s1.real() - out.beta2.real() * s.s2.real();
+  const double left = s.ll - out.beta1.imag() * s.s1.imag() - out.beta2.imag() * s.s2.imag();
+  const double shift2 = std::max((forward + left) / (2.0 * (s.n - 2.0)), kShiftFloor);
+  const double left2 = std::max(left / (s.n - 2.0), kShiftFloor);
   out.alpha1_sigma = std::sqrt(turn2 * s.u22 / det);
   out.alpha2_sigma = std::sqrt(turn2 * s.u11 / det);
   out.beta1_sigma = std::sqrt(shift2 * s.u22 / det);
   out.beta2_sigma = std::sqrt(shift2 * s.u11 / det);
+  out.beta1_left_sigma = std::sqrt(left2 * s.u22 / det);
+  out.beta2_left_sigma = std::sqrt(left2 * s.u11 / det);
   return out;
 }
 

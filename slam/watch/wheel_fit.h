@@ -22,7 +22,7 @@ struct FitSums {
   double u11 = 0.0, u12 = 0.0, u22 = 0.0;
   double t1 = 0.0, t2 = 0.0, tt = 0.0;  // turns b / 2
   std::complex<double> s1, s2;          // shifts, forward + i left
-  double ss = 0.0;
+  double ff = 0.0, ll = 0.0;            // squares of the shifts forward, left
 
   void add(double u1, double u2, double turn_m, std::complex<double> shift, double weight);
   void fade(double factor);
@@ -34,7 +34,9 @@ struct WheelFit {
   double alpha1 = 0.0, alpha2 = 0.0;
   double alpha1_sigma = 0.0, alpha2_sigma = 0.0;
   std::complex<double> beta1, beta2;
-  double beta1_sigma = 0.0, beta2_sigma = 0.0;
+  double beta1_sigma = 0.0, beta2_sigma = 0.0;  // of both parts
+  // Of the parts to the left alone, which do not depend on how high the ceiling is.
+  double beta1_left_sigma = 0.0, beta2_left_sigma = 0.0;
   double turn_rest = 0.0;  // of the turns' sum of squares, what the wheels do not explain: 0 to 1
   double turn_rest_m2 = 0.0;  // mean square of an interval
 };
