@@ -33,6 +33,7 @@ MatchShare Mapper::match_share() const {
   MatchShare share;
   for (const Candidate& c : candidates_[0]) {
     const LandmarkInfo& l = map_->info(c.slot);
+    share.agreeing += c.promoted && c.inlier ? 1 : 0;
     if (c.old || !c.well_inside || !is_reliable(l)) continue;
     if (l.observations < kEstablishedObservations) continue;
     ++share.expected;
@@ -49,7 +50,7 @@ bool Mapper::follow(const Features& features, const FeatureExtractor& view) {
   const auto corners =
       std::count_if(features.begin(), features.end(), [](const Feature& f) { return f.described; });
   if (!lost && corners < kFewCorners) return true;
-  if (!lost && !Tracking::is_weak(match_share())) {
+  if (!lost && (loop_closing_ || !Tracking::is_weak(match_share()))) {
     tracking_.follow();
     return true;
   }
