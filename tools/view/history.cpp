@@ -60,7 +60,7 @@ Timeline History::timeline() const {
       timeline.robots[entry.robot] = hello->robot;
     }
     const double t_s = (entry.at - entries_.front().at).seconds();
-    timeline.add(t_s, entry.robot, entry.text);
+    timeline.add(t_s, entry.robot, *decoded.line, entry.text);
     marks.note(timeline, t_s, entry.robot, *decoded.line);
   }
   return timeline;

@@ -1,6 +1,7 @@
 #include "tools/view/player.h"
 
 #include <algorithm>
+#include <vector>
 
 #include "tools/view/bounded_json.h"
 
@@ -60,8 +61,16 @@ void Player::advance(double to_s) {
     for (const auto& [robot, line] : timeline_.before) state_.apply(robot, line);
   }
   begun_ = true;
-  for (; next_ < timeline_.entries.size() && timeline_.entries[next_].t_s <= to_s; ++next_) {
-    const Timeline::Entry& entry = timeline_.entries[next_];
+  const std::size_t first = next_;
+  while (next_ < timeline_.entries.size() && timeline_.entries[next_].t_s <= to_s) ++next_;
+  // Of each robot's pictures the last one alone is seen.
+  std::vector<std::size_t> pictures(timeline_.robots.size(), next_);
+  for (std::size_t i = first; i < next_; ++i) {
+    if (timeline_.entries[i].is_picture) pictures[timeline_.entries[i].robot] = i;
+  }
+  for (std::size_t i = first; i < next_; ++i) {
+    const Timeline::Entry& entry = timeline_.entries[i];
+    if (entry.is_picture && pictures[entry.robot] != i) continue;
     const DecodedLine decoded = timeline_.line_of(entry);
     if (decoded.line) state_.apply(entry.robot, *decoded.line);
   }

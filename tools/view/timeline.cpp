@@ -57,17 +57,20 @@ const char* take_entry(Timeline& timeline, MarkFinder& marks, json line) {
     ++timeline.refused;
     return nullptr;
   }
-  timeline.add(*t_s, static_cast<std::size_t>(*robot), text);
+  timeline.add(*t_s, static_cast<std::size_t>(*robot), *decoded.line, text);
   marks.note(timeline, *t_s, static_cast<std::size_t>(*robot), *decoded.line);
   return nullptr;
 }
 
 }  // namespace
 
-void Timeline::add(double t_s, std::size_t robot, std::string_view line) {
+void Timeline::add(double t_s, std::size_t robot, const TelemetryLine& line,
+                   std::string_view line_text) {
+  const auto* picture = line.as<PictureLine>();
   entries.push_back({t_s, static_cast<std::uint32_t>(robot),
-                     static_cast<std::uint32_t>(line.size()), text.size()});
-  text += line;
+                     static_cast<std::uint32_t>(line_text.size()), text.size(),
+                     picture != nullptr && picture->jpeg.has_value()});
+  text += line_text;
   duration_s = t_s;
 }
 

@@ -30,6 +30,7 @@ struct Timeline {
     std::uint32_t robot = 0;
     std::uint32_t bytes = 0;  // of `text`
     std::uint64_t at = 0;
+    bool is_picture = false;  // a whole one: most of a timeline's bytes
   };
   // A merge, or its withdrawal.
   struct Mark {
@@ -45,8 +46,8 @@ struct Timeline {
   double duration_s = 0.0;
   std::size_t refused = 0;  // entries whose line is none of telemetry's: left out
 
-  // At its end. `line` is one of telemetry's.
-  void add(double t_s, std::size_t robot, std::string_view line);
+  // At its end: a line of telemetry, and its text.
+  void add(double t_s, std::size_t robot, const TelemetryLine& line, std::string_view line_text);
   DecodedLine line_of(const Entry& entry) const;
 };
 

@@ -234,6 +234,33 @@ TEST_F(PlayerTest, PlaysSeeksBothWaysAndPauses) {
   EXPECT_EQ(player.position_s(), 0.0);
 }
 
+TEST_F(PlayerTest, OfManyPicturesTheLastOneIsShown) {
+  std::string text = "{\"timeline\":1,\"robots\":[\"r1\",\"r2\"]}\n";
+  for (int i = 0; i < 6; ++i) {
+    text += "{\"t_s\":" + std::to_string(i) + ",\"robot\":" + std::to_string(i % 2) +
+            ",\"line\":{\"type\":\"picture\",\"width\":8,\"height\":" + std::to_string(8 + i) +
+            ",\"jpeg\":\"/9j/\"}}\n";
+  }
+  write_text(folder_.path() / kTimelineFile, text);
+  auto timeline = read_timeline(folder_.path() / kTimelineFile);
+  ASSERT_TRUE(timeline.ok()) << timeline.error().message;
+  Player player(state_, std::move(*timeline));
+  const auto heights = [&] {
+    std::vector<int> all;
+    state_.read([&](const auto& robots) {
+      for (const RobotState& robot : robots) {
+        all.push_back(robot.picture() ? robot.picture()->told["height"].template get<int>() : 0);
+      }
+    });
+    return all;
+  };
+  for (const auto& [moment, expected] : std::vector<std::pair<double, std::vector<int>>>{
+           {5.0, {12, 13}}, {0.0, {8, 0}}, {3.5, {10, 11}}, {4.0, {12, 11}}}) {
+    player.control({{"seek", moment}, {"play", false}});
+    EXPECT_EQ(heights(), expected) << moment;
+  }
+}
+
 TEST_F(PlayerTest, SaysWhatIsWrongWithATimeline) {
   const auto said = [&](const char* text) {
     write_text(folder_.path() / "x", text);
