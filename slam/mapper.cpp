@@ -18,6 +18,8 @@ void Mapper::layout(Arena& arena, const Parameters& parameters) {
   particles_.layout(arena, n);
   associator_.layout(arena);
   search_.layout(arena);
+  closing_search_.layout(arena);
+  before_ = arena.take<Pose2>(static_cast<std::size_t>(n));
   proposal_.layout(arena, n);
   const auto stride = static_cast<std::size_t>(row_stride(n));
   candidates_ = arena.take<Candidates>(1);
@@ -36,6 +38,7 @@ void Mapper::build(const RobotConfig& robot, const Parameters& parameters, std::
   association_.ncc_min = static_cast<float>(p_.ncc_match);
   pixel_ = 1.0 / f;
   association_.min_radius = 1.5 * pixel_;
+  closing_search_.build(p_);
   map_ = &own_map_;
   map_->reset();
   noise_scale_.reset();
@@ -84,6 +87,7 @@ void Mapper::move(const WheelTravel& travel, Features& features) {
   set_motion(travel);
   const double way = std::hypot(motion_.mean.x_m, motion_.mean.y_m);
   travelled_m_ += way;
+  drift_travel_m_ += way;
   map_->add_way(way_share_ * way);
   if (p_.optimal_proposal != 0) {
     move_by_mean(particles_, motion_);
@@ -108,7 +112,7 @@ void Mapper::sense(const Features& features, const FeatureExtractor& view) {
 
 void Mapper::match(const Features& features, const FeatureExtractor& view) {
   predict_candidates(view);
-  associate(features);
+  associate(features, view);
 }
 
 void Mapper::weigh(const Features& features) {
@@ -182,6 +186,7 @@ void Mapper::move_by_calibration(const CalibrationVector& step) {
 void Mapper::weigh_and_move(const Features& features) {
   const bool optimal = p_.optimal_proposal != 0;
   const auto lever = lever_m().cast<float>().eval();
+  if (jumped_) jump_particles();
   proposal_.clear(particles_.count);
   for (const Candidate& c : candidates_[0]) {
     if (!c.promoted || !c.inlier) continue;
@@ -197,6 +202,8 @@ void Mapper::weigh_and_move(const Features& features) {
   }
   if (optimal && !first_) draw_from_proposal(particles_, motion_, proposal_, random_);
   check_poses();
+  if (jumped_) carry_recent_map();
+  if (gliding_) glide();
   place_cameras(particles_, lever_m());
 }
 
@@ -270,6 +277,7 @@ void Mapper::join(Mapper& host, std::span<const Pose2> T_host_own) {
   particles_.weight = host.particles_.weight;
   particles_.log_weight = host.particles_.log_weight;
   map_ = host.map_;
+  closing_search_.reset();
   freeze_calibration();
   place_cameras(particles_, lever_m());
   estimate();

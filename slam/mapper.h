@@ -8,6 +8,7 @@
 
 #include "platform/base/arena.h"
 #include "platform/base/random.h"
+#include "slam/closing.h"
 #include "slam/counters.h"
 #include "slam/features.h"
 #include "slam/filter/calibration.h"
@@ -26,8 +27,6 @@
 #include "slam/robot.h"
 
 namespace zenith {
-
-using Candidates = FixedVector<Candidate, kMaxCandidates>;
 
 class Mapper {
  public:
@@ -116,10 +115,22 @@ class Mapper {
 
   void predict_candidates(const FeatureExtractor& view);
   bool predict_candidate(int slot, const FeatureExtractor& view, Candidate& out);
-  void associate(const Features& features);
-  bool try_loop(const Features& features, const Eigen::Matrix3d& prior,
-                const PoseCorrection& recent);
+  void match_tentative(const Features& features);
+  void associate(const Features& features, const FeatureExtractor& view);
+  bool close_loop(const Features& features, const FeatureExtractor& view,
+                  const Eigen::Matrix3d& prior);
+  Eigen::Matrix3d expected_jump(const Eigen::Matrix3d& prior) const;
+  bool owns_map() const { return map_ == &own_map_ && way_share_ == 1.0; }
+  bool give_way(const Eigen::Vector3d& jump);
+  void use_old_matches();
   void follow_old_map();
+  void note_drift();
+  void jump_particles();
+  void carry_recent_map();
+  void glide();
+  void fetch_old_map();
+  void refresh_moved(std::span<const std::int32_t> slots);
+  Map::Piece recent_piece() const;
   void believe_slip();
   void begin_anew();
   void refresh_in_turn();
@@ -183,6 +194,13 @@ class Mapper {
   std::array<bool, kMaxCorners> corner_used_ = {};
   PoseCorrection correction_;
   bool loop_closing_ = false;
+  ClosingSearch closing_search_;
+  Closing closing_;
+  bool jumped_ = false;   // in this frame the pose follows the old landmarks alone
+  bool gliding_ = false;  // in this frame the pose goes a part of a jump
+  Pose2 glide_;
+  double drift_travel_m_ = 0.0;  // as Map::drift_travel_m(), of the robot
+  std::span<Pose2> before_;      // by particle: the pose by the recent landmarks; then its jump
   ScaleWatch scale_;
   Tracking tracking_;
   PoseSearch search_;

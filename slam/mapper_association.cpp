@@ -98,12 +98,14 @@ bool Mapper::predict_candidate(int slot, const FeatureExtractor& view, Candidate
 
 // Recent promoted landmarks fix the pose; then, with the pose known, everything else is matched:
 // changed looks, tentative landmarks, and old landmarks in case a loop closes.
-void Mapper::associate(const Features& features) {
+void Mapper::associate(const Features& features, const FeatureExtractor& view) {
   const auto candidates = candidates_[0].span();
   const auto feats = features.span();
   const double heading = pose_.mean.theta_rad;
   corner_used_.fill(false);
   loop_closing_ = false;
+  jumped_ = false;
+  gliding_ = false;
   correction_ = PoseCorrection{};
   // Much larger than the model says: the matches decide, also when a wheel slips; the prior only
   // keeps directions that no match fixes.
@@ -138,9 +140,18 @@ void Mapper::associate(const Features& features) {
   for (const Candidate& c : candidates) {
     if (c.corner >= 0 && !c.inlier) corner_used_[static_cast<std::size_t>(c.corner)] = false;
   }
-  loop_closing_ = try_loop(features, prior, correction_);
-  associator_.match(candidates, kTentative, correction_, 1.0, feats, *map_, heading, association_,
-                    corner_used_);
+  // What old landmarks say is said against the recent ones: without those it is another question.
+  if (!Tracking::is_weak(match_share())) loop_closing_ = close_loop(features, view, prior);
+  // Tentative landmarks go with the robot, and are matched again in the next frame.
+  if (!jumped_) match_tentative(features);
+  note_drift();
+}
+
+void Mapper::match_tentative(const Features& features) {
+  const auto candidates = candidates_[0].span();
+  const auto feats = features.span();
+  associator_.match(candidates, CandidateKind::kTentative, correction_, 1.0, feats, *map_,
+                    pose_.mean.theta_rad, association_, corner_used_);
   for (Candidate& c : candidates) {
     if (c.promoted || c.corner < 0) continue;
     const Feature& f = feats[static_cast<std::size_t>(c.corner)];
@@ -198,57 +209,6 @@ void Mapper::believe_slip() {
   if (xi.dot(S.ldlt().solve(xi)) < kSlipDistance2) return;
   motion_.covariance.diagonal() += xi.cwiseAbs2();
   ++counters_.slips;
-}
-
-// Old landmarks that agree among themselves on another pose than the recent ones: the drift since
-// they were last seen has become visible.
-bool Mapper::try_loop(const Features& features, const Eigen::Matrix3d& prior,
-                      const PoseCorrection& recent) {
-  const auto candidates = candidates_[0].span();
-  const auto feats = features.span();
-  double unseen_m = 0.0;
-  int count = 0;
-  for (const Candidate& c : candidates) {
-    if (!is_kind(c, CandidateKind::kPromotedOld)) continue;
-    unseen_m = std::max(unseen_m, map_->way_m() - map_->info(c.slot).last_seen_way_m);
-    ++count;
-  }
-  if (count < p_.loop_min_inliers) return false;
-  const double position = p_.loop_drift * unseen_m;
-  const double heading = p_.loop_drift_deg_per_m * kDegree * unseen_m;
-  Eigen::Matrix3d drift = prior + spread_in_body();
-  drift.diagonal() += Eigen::Vector3d(position * position, position * position, heading * heading);
-  associator_.match(candidates, CandidateKind::kPromotedOld, recent, 1.0, feats, *map_,
-                    pose_.mean.theta_rad, association_, corner_used_);
-  const PoseCorrection found =
-      find_pose(candidates, CandidateKind::kPromotedOld, feats, drift, p_.gate_sigma);
-  if (found.inliers < p_.loop_min_inliers) {
-    for (Candidate& c : candidates) {
-      if (is_kind(c, CandidateKind::kPromotedOld)) c.inlier = false;
-    }
-    return false;
-  }
-  const Eigen::Vector3d jump = found.xi - recent.xi;
-  const Eigen::Matrix3d C = found.covariance + recent.covariance;
-  const double d2 = jump.dot(C.ldlt().solve(jump));
-  motion_.covariance +=
-      Eigen::Vector3d(jump.x() * jump.x(), jump.y() * jump.y(), jump.z() * jump.z()).asDiagonal();
-  ++counters_.loops_closed;
-  correction_ = found;
-  if (d2 > 16.0) follow_old_map();
-  return true;
-}
-
-// The old map is right and what was mapped since the last frames is bent: recent landmarks do not
-// steer in this frame, and those that contradict the old map do not count as seen.
-void Mapper::follow_old_map() {
-  for (Candidate& c : candidates_[0]) {
-    if (is_kind(c, CandidateKind::kPromotedRecent) && c.corner >= 0) {
-      corner_used_[static_cast<std::size_t>(c.corner)] = false;
-      c.corner = -1;
-      c.inlier = false;
-    }
-  }
 }
 
 }  // namespace zenith

@@ -73,6 +73,7 @@ void Mapper::begin_anew() {
     ++counters_.landmarks_pruned;
   }
   corner_used_.fill(false);
+  closing_search_.reset();
   first_ = true;
   ++counters_.begun_anew;
 }
@@ -119,6 +120,7 @@ bool Mapper::near_candidate(const Feature& f) const {
 
 bool Mapper::start_due() const {
   const double turned = std::abs(wrap_angle(pose_.mean.theta_rad - anchor_heading_rad_));
+  if (jumped_) return false;  // what is predicted is the map before the jump
   return first_ || travelled_m_ - anchor_travel_m_ >= p_.anchor_distance_m ||
          turned >= 5.0 * kDegree;
 }
@@ -126,7 +128,7 @@ bool Mapper::start_due() const {
 void Mapper::start_landmarks(const Features& features) {
   first_ = false;
   if (map_->anchors_used() == kMaxAnchors) evict_anchor();
-  const int anchor = map_->create_anchor(particles_.camera, pose_by_calibration_);
+  const int anchor = map_->create_anchor(particles_.camera, pose_by_calibration_, drift_travel_m_);
   if (anchor < 0) {
     ++counters_.landmarks_rejected_full;
     return;

@@ -117,6 +117,7 @@ void Mapper::note_as_seen(const Pose2& T_own_robot) {
 }
 
 void Mapper::shift_poses(const Pose2& by) {
+  closing_search_.reset();  // what it has found is of another pose
   const Pose2 before = pose_.mean;
   for (int i = 0; i < particles_.count; ++i) particles_.set_pose(i, particles_.pose(i) * by);
   check_poses();

@@ -43,6 +43,8 @@ What the columns mean:
   odometry    the same for the wheels alone; ratio: the first by the second
   return      error of the position when the robot comes back to its start, before the start is
               seen again and after it was passed, in the robot's start frame
+  jumps       frames whose increment is off by more than 5 cm or 1 degree; wrong: the error in the
+              start frame is larger after it, or it is undone within 20 frames
   pair a < b  what robot a made of robot b's map; `driven` is a's way since it first came
               within 1.5 m of a place where b has been, until a merged the maps
   WRONG       a transform that is off by more than 0.5 m or 5 degrees

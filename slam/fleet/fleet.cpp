@@ -169,7 +169,7 @@ void Fleet::test(Peer& peer, const ObservedFrame& frame, const Map& map, const P
     h.confidence.add(T_own_robot.position(), at, result.found);
     refit(h, map, peer.map);
     const bool held = (peer.merged && place == peer.leader) || place == peer.offered;
-    const bool nothing = !held && h.searches >= Hypothesis::kWindow && h.hits() == 0;
+    const bool nothing = !held && h.evidence.searches() >= Evidence::kWindow && h.hits() == 0;
     const bool itself = is_self(peer) && same_alignment(h.T_own_peer, {}, T_own_robot.position());
     if (nothing || itself) peer.drop(place);
   }
@@ -212,10 +212,12 @@ void Fleet::decide(Peer& peer, const Pose2& T_own_robot) {
   const DecisionSettings& d = decision_;
   if (!peer.merged) {
     const double score = peer.past ? d.score_past : d.score;
-    const bool ready = leader.confidence.value() > d.confidence && leader.score() > score &&
-                       leader.searches >= d.min_searches && travelled_m_ >= least_way_m(peer) &&
+    const EvidenceStandard standard = {d.confidence, score, d.rival_share, d.min_searches};
+    const bool ready = convinces(leader.score(), leader.evidence.searches(),
+                                 leader.confidence.value(), rival_score, standard) &&
+                       travelled_m_ >= least_way_m(peer) &&
                        static_cast<int>(leader.pairs.size()) >= d.min_pairs &&
-                       rival_score < d.rival_share * leader.score() && !own_map_repeats(leader);
+                       !own_map_repeats(leader);
     if (ready && peer.offered < 0) put_to_test(peer, peer.leader);
     return;
   }

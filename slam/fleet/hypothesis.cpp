@@ -48,28 +48,6 @@ double farthest(const ObservedFrame& frame) {
 
 }  // namespace
 
-int Hypothesis::hits() const {
-  int sum = 0;
-  for (const Support& s : window) sum += s.hits;
-  return sum;
-}
-
-int Hypothesis::expected() const {
-  int sum = 0;
-  for (const Support& s : window) sum += s.expected;
-  return sum;
-}
-
-double log_odds(int hits, int expected, const HitRates& rates) {
-  const double hit = std::log(rates.right / rates.wrong);
-  const double miss = std::log((1.0 - rates.right) / (1.0 - rates.wrong));
-  return hit * hits + miss * (expected - hits);
-}
-
-double Hypothesis::score() const {
-  return log_odds(hits(), expected());
-}
-
 bool same_alignment(const Pose2& a, const Pose2& b, const Eigen::Vector2d& at) {
   const Eigen::Vector2d in_peer = a.inverse() * at;
   return (b * in_peer - at).norm() < kSameDistance_m &&
@@ -138,8 +116,7 @@ FrameTest test_hypothesis(Hypothesis& h, const ObservedFrame& frame, const PeerM
     out.found = fit.ok;
     out.T_peer_robot = fit.T_a_b;
   }
-  h.window[static_cast<std::size_t>(h.searches % Hypothesis::kWindow)] = out.support;
-  ++h.searches;
+  h.evidence.add(out.support);
   return out;
 }
 

@@ -5,52 +5,38 @@
 // frame: where it says that peer's landmarks are, similar ones must be. It keeps the pairs of
 // landmarks that it found and re-estimates the transform from all of them.
 
-#include <array>
 #include <cstdint>
 
 #include "platform/base/fixed_vector.h"
 #include "slam/fleet/align.h"
-#include "slam/fleet/confidence.h"
 #include "slam/fleet/landmark_pairs.h"
 #include "slam/fleet/overlap.h"
+#include "slam/map/confidence.h"
+#include "slam/map/evidence.h"
 #include "slam/map/map.h"
 
 namespace zenith {
 
-// One search's verdict.
-struct Support {
-  int hits = 0;      // observed landmarks with a similar one of the peer where it should be
-  int expected = 0;  // observed landmarks where the peer has any landmark of that height near
-};
+// How often an expected landmark is found under the right alignment, and under a wrong one where
+// the ceiling repeats itself. Measured on the simulated worlds: 0.86 to 0.98, and 0.3 to 0.65 (0.8
+// to 0.89 where it repeats strictly, which is for the runners-up to expose). A wrong one finds
+// similar appearances too, so a miss says much more than a hit.
+inline constexpr HitRates kAlignmentHits = {0.9, 0.6};
 
 struct Hypothesis {
-  static constexpr int kWindow = 8;  // searches remembered
-
   Pose2 T_own_peer;
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();
   double scatter = 1.0;  // mean squared distance of the pairs, per residual
   Confidence confidence;
   PairList pairs;
-  std::array<Support, kWindow> window = {};
-  int searches = 0;
+  // Hit: an observed landmark with a similar one of the peer where it should be. Expected: one
+  // where the peer has any landmark of that height near.
+  Evidence evidence;
 
-  int hits() const;
-  int expected() const;
-  // Log odds of the window's searches: right alignment against a wrong one on a ceiling of the same
-  // kind. A wrong one finds similar looks too, so a miss says much more than a hit.
-  double score() const;
+  int hits() const { return evidence.sum().hits; }
+  int expected() const { return evidence.sum().expected; }
+  double score() const { return evidence.score(kAlignmentHits); }
 };
-
-// How often an expected landmark is found under the right alignment, and under a wrong one where
-// the ceiling repeats itself. Measured on the simulated worlds: 0.86 to 0.98, and 0.3 to 0.65 (0.8
-// to 0.89 where it repeats strictly, which is for the rivals to expose).
-struct HitRates {
-  double right = 0.9;
-  double wrong = 0.6;
-};
-
-// The log odds of an alignment under which so many of the expected landmarks are found.
-double log_odds(int hits, int expected, const HitRates& rates = {});
 
 struct TestSettings {
   float ncc_min = 0.60F;

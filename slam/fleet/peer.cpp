@@ -12,7 +12,7 @@ namespace {
 double worth(const Hypothesis& h) {
   constexpr int kFewExpected = 25;
   constexpr double kNothing = -1e6;
-  const bool tells = h.expected() >= kFewExpected || h.searches < Hypothesis::kWindow;
+  const bool tells = h.expected() >= kFewExpected || h.evidence.searches() < Evidence::kWindow;
   return tells ? h.score() : kNothing + h.score();
 }
 

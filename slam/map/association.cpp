@@ -132,40 +132,4 @@ PoseCorrection agree_on_pose(std::span<Candidate> candidates, CandidateKind kind
   return out;
 }
 
-PoseCorrection find_pose(std::span<Candidate> candidates, CandidateKind kind,
-                         std::span<const Feature> features, const Eigen::Matrix3d& prior,
-                         double gate_sigma) {
-  FixedVector<int, 48> matched;
-  for (std::size_t i = 0; i < candidates.size(); ++i) {
-    if (is_kind(candidates[i], kind) && candidates[i].corner >= 0) {
-      matched.push_back(static_cast<int>(i));
-    }
-  }
-  const Eigen::Matrix3d information =
-      (prior + 1e-9 * Eigen::Matrix3d::Identity()).llt().solve(Eigen::Matrix3d::Identity());
-  PoseCorrection best;
-  for (std::size_t a = 0; a + 1 < matched.size(); ++a) {
-    for (std::size_t b = a + 1; b < matched.size(); ++b) {
-      Eigen::Matrix3d lambda = information;
-      Eigen::Vector3d eta = Eigen::Vector3d::Zero();
-      for (const int i : {matched[a], matched[b]}) {
-        const Candidate& c = candidates[static_cast<std::size_t>(i)];
-        const Eigen::Matrix2d W = c.own.inverse();
-        const Feature& f = features[static_cast<std::size_t>(c.corner)];
-        lambda += c.G.transpose() * W * c.G;
-        eta += c.G.transpose() * W * residual(c, f, Eigen::Vector3d::Zero());
-      }
-      PoseCorrection trial;
-      trial.xi = lambda.llt().solve(eta);
-      trial.inliers = mark_inliers(candidates, kind, features, trial, gate_sigma);
-      if (trial.inliers > best.inliers) best = trial;
-    }
-  }
-  if (best.inliers == 0) {
-    mark_inliers(candidates, kind, features, best, gate_sigma);
-    return best;
-  }
-  return agree_on_pose(candidates, kind, features, prior, best.xi, gate_sigma);
-}
-
 }  // namespace zenith

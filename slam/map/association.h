@@ -36,6 +36,8 @@ struct Candidate {
   }
 };
 
+using Candidates = FixedVector<Candidate, kMaxCandidates>;
+
 struct AssociationSettings {
   double gate_sigma = 3.5;
   double max_radius = 0.25;  // tangents; beyond, the ceiling repeats itself
@@ -77,12 +79,6 @@ class Associator {
 PoseCorrection agree_on_pose(std::span<Candidate> candidates, CandidateKind kind,
                              std::span<const Feature> features, const Eigen::Matrix3d& prior,
                              const Eigen::Vector3d& start, double gate_sigma);
-
-// The same from nothing: for matches of which many are wrong. Tries every pair of matches as a
-// hypothesis (bounded), takes the one with the most inliers, refines it.
-PoseCorrection find_pose(std::span<Candidate> candidates, CandidateKind kind,
-                         std::span<const Feature> features, const Eigen::Matrix3d& prior,
-                         double gate_sigma);
 
 bool is_kind(const Candidate& candidate, CandidateKind kind);
 

@@ -1,6 +1,7 @@
 #include "slam/map/map.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 
@@ -45,6 +46,8 @@ void Map::layout(Arena& arena, int particles) {
   infos_ = arena.take<LandmarkInfo>(kLandmarks);
   free_slots_ = arena.take<std::int32_t>(kLandmarks);
   anchor_users_ = arena.take<std::int32_t>(kAnchors);
+  anchor_drift_m_ = arena.take<float>(kAnchors);
+  moved_ = arena.take<std::int32_t>(kLandmarks);
   free_anchors_ = arena.take<std::int32_t>(kAnchors);
   removals_ = arena.take<Removal>(kMaxRemovals);
   calibrations_ = arena.take<LandmarkCalibration>(kLandmarks);
@@ -127,7 +130,8 @@ bool Map::take_removal(Removal& out) {
   return true;
 }
 
-int Map::create_anchor(const CameraRows& camera, const PoseSensitivity& by_calibration) {
+int Map::create_anchor(const CameraRows& camera, const PoseSensitivity& by_calibration,
+                       double drift_travel_m) {
   if (anchors_used_ == kMaxAnchors) return -1;
   const int anchor = free_anchors_[static_cast<std::size_t>(kMaxAnchors - 1 - anchors_used_)];
   ++anchors_used_;
@@ -138,7 +142,60 @@ int Map::create_anchor(const CameraRows& camera, const PoseSensitivity& by_calib
   anchor_rows_.set_generation(anchor, ancestry_.generation());
   anchor_calibrations_[static_cast<std::size_t>(anchor)] = {by_calibration, calibration_};
   anchor_drifts_[static_cast<std::size_t>(anchor)] = {};
+  anchor_drift_m_[static_cast<std::size_t>(anchor)] = static_cast<float>(drift_travel_m);
   return anchor;
+}
+
+std::span<const std::int32_t> Map::move_piece(const Piece& piece, std::span<const Pose2> T_new_old,
+                                              double turn_rad, double shorter_m) {
+  std::array<bool, kMaxAnchors> moves = {};
+  for (const LandmarkInfo& l : landmarks()) {
+    if (l.state == LandmarkState::kFree) continue;
+    const auto a = static_cast<std::size_t>(l.anchor);
+    const double unseen_m = way_m_ - l.last_seen_way_m;
+    const auto drift_m = static_cast<double>(anchor_drift_m_[a]);
+    if (unseen_m < piece.unseen_from_m || unseen_m > piece.unseen_to_m) continue;
+    moves[a] = drift_m > piece.drift_from_m && drift_m < piece.drift_to_m;
+  }
+  for (int anchor = 0; anchor < kMaxAnchors; ++anchor) {
+    const auto a = static_cast<std::size_t>(anchor);
+    if (!moves[a]) continue;
+    anchor_drift_m_[a] = std::max(anchor_drift_m_[a] - static_cast<float>(shorter_m), 0.0F);
+    move_anchor(anchor, T_new_old);
+  }
+  std::size_t count = 0;
+  for (int slot = 0; slot < slots_used_; ++slot) {
+    const LandmarkInfo& l = info(slot);
+    if (l.state == LandmarkState::kFree || !moves[static_cast<std::size_t>(l.anchor)]) continue;
+    for (int i = l.first_appearance; i >= 0;) {
+      Appearance& a = pool_[static_cast<std::size_t>(i)];
+      a.direction_rad =
+          static_cast<float>(wrap_angle(static_cast<double>(a.direction_rad) + turn_rad));
+      i = a.next;
+    }
+    moved_[count++] = slot;
+  }
+  return moved_.first(count);
+}
+
+void Map::move_anchor(int anchor, std::span<const Pose2> T_new_old) {
+  anchor_rows_.bring(anchor, ancestry_);
+  float* x = anchor_rows_.row(anchor, 0);
+  float* y = anchor_rows_.row(anchor, 1);
+  float* cos = anchor_rows_.row(anchor, 2);
+  float* sin = anchor_rows_.row(anchor, 3);
+  for (std::size_t i = 0; i < T_new_old.size(); ++i) {
+    const Pose2& T = T_new_old[i];
+    const Eigen::Vector2d at =
+        T * Eigen::Vector2d(static_cast<double>(x[i]), static_cast<double>(y[i]));
+    const Eigen::Vector2d ahead =
+        rotation(T.theta_rad) *
+        Eigen::Vector2d(static_cast<double>(cos[i]), static_cast<double>(sin[i]));
+    x[i] = static_cast<float>(at.x());
+    y[i] = static_cast<float>(at.y());
+    cos[i] = static_cast<float>(ahead.x());
+    sin[i] = static_cast<float>(ahead.y());
+  }
 }
 
 void Map::release_if_unused(int anchor) {

@@ -1,6 +1,7 @@
 #pragma once
 // The map's store: landmarks, their anchors, their looks. Fixed capacities; full rejects.
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 
@@ -9,6 +10,7 @@
 #include "slam/filter/calibration.h"
 #include "slam/filter/drift.h"
 #include "slam/filter/landmark.h"
+#include "slam/geometry.h"
 #include "slam/map/landmark_info.h"
 
 namespace zenith {
@@ -34,8 +36,27 @@ class Map {
 
   // The camera rows of this frame as an anchor; -1 when full. An anchor that no landmark holds
   // after release_if_unused() is free again.
-  int create_anchor(const CameraRows& camera, const PoseSensitivity& by_calibration);
+  // `drift_travel_m`: the travel whose drift lies between this anchor and the map's start, which is
+  // less than all travel where loops were closed.
+  int create_anchor(const CameraRows& camera, const PoseSensitivity& by_calibration,
+                    double drift_travel_m = 0.0);
   void release_if_unused(int anchor);
+  float drift_travel_m(int slot) const {
+    return anchor_drift_m_[static_cast<std::size_t>(std::max(info(slot).anchor, 0))];
+  }
+
+  // Moves a piece of the map, for each particle by its own transform of the start frame: the
+  // anchors that hold a landmark whose travel unseen, and whose drift travel, lie within the
+  // piece's. They count as nearer to the start by `shorter_m`, but not nearer than `least_m`.
+  // Returns the landmarks that moved: their cached positions are to be refreshed.
+  struct Piece {
+    double unseen_from_m = 0.0;
+    double unseen_to_m = 0.0;
+    double drift_from_m = 0.0;
+    double drift_to_m = 0.0;
+  };
+  std::span<const std::int32_t> move_piece(const Piece& piece, std::span<const Pose2> T_new_old,
+                                           double turn_rad, double shorter_m);
 
   // Adds a look; false when the landmark has kMaxAppearances, or when the pool has no more than
   // the first looks of landmarks that may still come.
@@ -109,6 +130,8 @@ class Map {
   std::span<LandmarkInfo> infos_;
   std::span<std::int32_t> free_slots_;  // a stack; the lowest slot on top at start
   std::span<std::int32_t> anchor_users_;
+  std::span<float> anchor_drift_m_;
+  std::span<std::int32_t> moved_;  // landmarks, of move_recent()
   std::span<std::int32_t> free_anchors_;
   std::span<Appearance> pool_;
   std::span<Removal> removals_;  // a ring
@@ -127,6 +150,7 @@ class Map {
   void follow_calibration(int slot, int anchor);
   void follow_noise(int slot);
   float kappa_ = 1.0F;
+  void move_anchor(int anchor, std::span<const Pose2> T_new_old);
   CalibrationVector calibration_ = CalibrationVector::Zero();
   std::span<LandmarkCalibration> calibrations_;
   std::span<AnchorCalibration> anchor_calibrations_;

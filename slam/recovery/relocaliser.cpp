@@ -10,9 +10,7 @@ namespace {
 constexpr double kSearchDistance_m = 0.15;
 constexpr double kSearchTurn_rad = 0.15;
 // As of prior maps.
-constexpr double kScore = 12.0;
-constexpr double kRivalShare = 0.5;
-constexpr int kLeastSearches = 4;
+constexpr EvidenceStandard kPriorMaps = {0.5, 12.0, 0.5, 4};
 constexpr double kLeastTravel_m = 0.45;
 // Of evidence_at(), on simulated ceilings: 0.6 to 0.8 at the right pose, 0.1 to 0.3 at wrong ones.
 constexpr HitRates kRates = {0.6, 0.3};
@@ -21,20 +19,13 @@ constexpr int kLeastHits = 8;  // of a pose that is worth a test
 }  // namespace
 
 double Relocaliser::Guess::score() const {
-  Support sum;
-  for (const Support& s : window) {
-    sum.hits += s.hits;
-    sum.expected += s.expected;
-  }
-  return log_odds(sum.hits, sum.expected, kRates);
+  return evidence.score(kRates);
 }
 
 void Relocaliser::Guess::test(const FrameOverMap& frame) {
-  const PoseEvidence evidence = evidence_at(frame, T_own_robot);
-  T_own_robot = evidence.T_own_robot;
-  window[static_cast<std::size_t>(searches % Hypothesis::kWindow)] = {evidence.hits,
-                                                                      evidence.expected};
-  ++searches;
+  const PoseEvidence found = evidence_at(frame, T_own_robot);
+  T_own_robot = found.T_own_robot;
+  evidence.add({found.hits, found.expected});
 }
 
 bool Relocaliser::search_due(const Pose2& moved) {
@@ -64,8 +55,7 @@ void Relocaliser::propose(const FrameOverMap& frame, PoseSearch& search) {
     if (known) continue;
     Guess guess;
     guess.T_own_robot = found.T_own_robot;
-    guess.window[0] = {found.hits, found.expected};
-    guess.searches = 1;
+    guess.evidence.add({found.hits, found.expected});
     if (guesses_.push_back(guess)) continue;
     auto* worst =
         std::min_element(guesses_.begin(), guesses_.end(),
@@ -93,10 +83,15 @@ std::optional<Pose2> Relocaliser::decide() const {
   for (const Guess& g : guesses_) {
     if (best == nullptr || g.score() > best->score()) best = &g;
   }
-  if (best == nullptr || best->score() < kScore) return std::nullopt;
-  if (best->searches < kLeastSearches || best->travel_m < kLeastTravel_m) return std::nullopt;
+  if (best == nullptr || best->travel_m < kLeastTravel_m) return std::nullopt;
+  double runner_up = 0.0;
   for (const Guess& g : guesses_) {
-    if (&g != best && g.score() > kRivalShare * best->score()) return std::nullopt;
+    if (&g != best) runner_up = std::max(runner_up, g.score());
+  }
+  // Its persistence is that of the searches: the wheels carry it from one to the next.
+  constexpr double kConfident = 1.0;
+  if (!convinces(best->score(), best->evidence.searches(), kConfident, runner_up, kPriorMaps)) {
+    return std::nullopt;
   }
   return best->T_own_robot;
 }

@@ -3,7 +3,6 @@
 // and tested by every further frame, until one of them explains what is seen and no other does. The
 // standard of evidence is that of prior maps (fleet/fleet.h, DecisionSettings).
 
-#include <array>
 #include <optional>
 
 #include "slam/fleet/hypothesis.h"
@@ -22,8 +21,7 @@ class Relocaliser {
  private:
   struct Guess {
     Pose2 T_own_robot;
-    std::array<Support, Hypothesis::kWindow> window = {};
-    int searches = 0;
+    Evidence evidence;
     double travel_m = 0.0;
 
     double score() const;

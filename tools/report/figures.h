@@ -59,6 +59,8 @@ struct RobotFigures {
   std::optional<double> odometry_ate_m;
   std::optional<ReturnFigures> loop;
   std::optional<EndFigures> end;
+  std::optional<int> jumps;        // of the online pose, see pose_jumps.h
+  std::optional<int> wrong_jumps;  // of these
   StepTimes step;
   int landmarks = 0;
   std::optional<SetupVerdict> verdict;  // of the set-up, where the run said one

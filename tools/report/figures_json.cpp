@@ -37,6 +37,8 @@ nlohmann::json robot_json(const RobotFigures& robot) {
       {"true_path_m", optional_json(robot.true_path_m)},
       {"ate_m", optional_json(robot.ate_m)},
       {"odometry_ate_m", optional_json(robot.odometry_ate_m)},
+      {"jumps", robot.jumps ? nlohmann::json(*robot.jumps) : nlohmann::json()},
+      {"wrong_jumps", robot.wrong_jumps ? nlohmann::json(*robot.wrong_jumps) : nlohmann::json()},
       {"landmarks", robot.landmarks},
       {"step_ms",
        {{"median", robot.step.median_ms}, {"p95", robot.step.p95_ms}, {"max", robot.step.max_ms}}}};

@@ -26,14 +26,19 @@ std::string return_text(const std::optional<ReturnFigures>& loop) {
          fixed(loop->after_m, 3) + " m";
 }
 
+std::string jumps_text(const RobotFigures& robot) {
+  if (!robot.jumps || !robot.wrong_jumps) return "-";
+  return std::to_string(*robot.jumps) + ", " + std::to_string(*robot.wrong_jumps);
+}
+
 std::string robots_text(const TeamFigures& figures) {
   Table table({"robot", "way m", "ATE m", "odometry m", "ratio", "return, before > after",
-               "landmarks", "step ms med", "95 %", "max"});
+               "jumps, wrong", "landmarks", "step ms med", "95 %", "max"});
   for (const RobotFigures& robot : figures.robots) {
     table.add({robot.name, fixed(robot.true_path_m ? *robot.true_path_m : robot.path_m, 1),
                fixed(robot.ate_m, 3), fixed(robot.odometry_ate_m, 3),
                fixed(ratio(robot.ate_m, robot.odometry_ate_m), 2), return_text(robot.loop),
-               std::to_string(robot.landmarks), fixed(robot.step.median_ms, 2),
+               jumps_text(robot), std::to_string(robot.landmarks), fixed(robot.step.median_ms, 2),
                fixed(robot.step.p95_ms, 2), fixed(robot.step.max_ms, 2)});
   }
   return table.text(2);
@@ -64,6 +69,7 @@ struct Collected {
   std::vector<double> driven, merge_m, merge_deg, later_m, later_deg, end_m, end_deg, circle_m;
   std::vector<double> nees;
   std::vector<double> through_m, through_deg, trip_m, trip_deg;
+  int jumps = 0, wrong_jumps = 0;
   int robots = 0, pairs = 0, overlapping = 0, merged = 0, wrong = 0, false_merges = 0,
       withdrawn = 0, doubles = 0;
 };
@@ -73,6 +79,8 @@ void collect_robot(const RobotFigures& robot, Collected& all) {
   if (robot.ate_m) all.ate.push_back(*robot.ate_m);
   if (robot.odometry_ate_m) all.odometry.push_back(*robot.odometry_ate_m);
   if (const auto r = ratio(robot.ate_m, robot.odometry_ate_m)) all.ratio.push_back(*r);
+  all.jumps += robot.jumps.value_or(0);
+  all.wrong_jumps += robot.wrong_jumps.value_or(0);
   if (robot.loop) {
     all.return_percent.push_back(robot.loop->percent());
     all.return_after.push_back(robot.loop->after_m);
@@ -162,6 +170,8 @@ std::string summary_text(std::span<const TeamFigures> runs) {
     table.add({"error at the return, % of way", median_and_worst(all.return_percent, 2)});
     table.add({"error after the return m", median_and_worst(all.return_after, 3)});
   }
+  table.add({"jumps of the pose", std::to_string(all.jumps)});
+  table.add({"of these wrong", std::to_string(all.wrong_jumps)});
   if (all.pairs > 0) {
     table.add({"pairs, each way (a robot comes where the other was)",
                std::to_string(all.pairs) + " (" + std::to_string(all.overlapping) + ")"});

@@ -8,6 +8,7 @@
 #include <Eigen/Cholesky>
 
 #include "tools/report/ate.h"
+#include "tools/report/pose_jumps.h"
 
 namespace zenith::tools {
 namespace {
@@ -119,6 +120,10 @@ RobotFigures judge_robot(const RobotLog& log) {
   if (truth.size() != log.frames.size()) return figures;
   figures.end = judge_end(log.frames.front(), log.frames.back());
   figures.loop = judge_return(log, truth);
+  const std::vector<PoseJump> jumps = find_jumps(log.frames);
+  figures.jumps = static_cast<int>(jumps.size());
+  figures.wrong_jumps = static_cast<int>(
+      std::count_if(jumps.begin(), jumps.end(), [](const PoseJump& jump) { return jump.wrong; }));
   return figures;
 }
 

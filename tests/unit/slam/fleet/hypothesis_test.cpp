@@ -19,17 +19,17 @@ using point_world::PointWorld;
 TEST(Hypothesis, ScoreIsTheLogOddsOfItsWindow) {
   Hypothesis h;
   EXPECT_EQ(h.score(), 0.0);
-  h.window[0] = {20, 20};
-  h.window[5] = {10, 15};
+  h.evidence.add({20, 20});
+  h.evidence.add({10, 15});
   EXPECT_EQ(h.hits(), 30);
   EXPECT_EQ(h.expected(), 35);
   EXPECT_NEAR(h.score(), 30.0 * std::log(0.9 / 0.6) + 5.0 * std::log(0.1 / 0.4), 1e-12);
   // A miss outweighs three hits: a wrong alignment that finds 60 % loses.
   Hypothesis wrong;
-  wrong.window.fill({12, 20});
+  for (int i = 0; i < Evidence::kWindow; ++i) wrong.evidence.add({12, 20});
   EXPECT_LT(wrong.score(), 0.0);
   Hypothesis right;
-  right.window.fill({18, 20});
+  for (int i = 0; i < Evidence::kWindow; ++i) right.evidence.add({18, 20});
   EXPECT_GT(right.score(), 0.0);
 }
 

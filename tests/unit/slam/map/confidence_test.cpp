@@ -1,4 +1,4 @@
-#include "slam/fleet/confidence.h"
+#include "slam/map/confidence.h"
 
 #include <gtest/gtest.h>
 
