@@ -38,7 +38,7 @@ constexpr double kUnexplained = 0.15;  // of the seen turns' power
 // Amounts: beyond the first the map suffers, beyond the second it cannot be used.
 constexpr SetupWatch::Bounds kYawBounds = {2.5 * kDegree, 8.0 * kDegree};
 constexpr SetupWatch::Bounds kUnequalBounds = {0.03, 0.1};
-constexpr SetupWatch::Bounds kScaleBounds = {0.033, 0.05};
+constexpr SetupWatch::Bounds kScaleBounds = {0.04, 0.05};
 constexpr SetupWatch::Bounds kDelayBounds_s = {0.03, 0.08};
 constexpr SetupWatch::Bounds kJitterBounds_s = {0.012, 1.0};
 constexpr SetupWatch::Bounds kVerticalBounds = {0.045, 0.1};
@@ -301,8 +301,11 @@ void SetupWatch::judge_straight(const WheelFit& f, Time now) {
 void SetupWatch::judge_turns(const DelayedFits::Best& best, Time now) {
   using enum SetupCode;
   const WheelFit& f = best.fit;
-  give(kTurnScale, std::abs(f.alpha2 - 1.0) - 0.5 * f.alpha2_sigma, kScaleBounds, 1.0 / f.alpha2,
-       now);
+  // Noise of the wheels makes the slope too small, noise of the camera the inverse fit's slope too
+  // large: the truth lies between them.
+  const double most = f.alpha2 / (1.0 - std::min(f.turn_rest, 0.5));
+  const double off_scale = std::max({f.alpha2 - 1.0, 1.0 - most, 0.0});
+  give(kTurnScale, off_scale - 0.5 * f.alpha2_sigma, kScaleBounds, 1.0 / f.alpha2, now);
   const bool sure = std::abs(best.delay_s) > 3.5 * best.sigma_s && best.gain > kDelayGain &&
                     f.turn_rest < kExplained;
   give(kStampsApart, sure ? std::abs(best.delay_s) : 0.0, kDelayBounds_s, 1e3 * best.delay_s, now);
