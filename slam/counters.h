@@ -61,6 +61,7 @@ struct MapperCounters {
   std::uint64_t frames_held = 0;      // that do not fit where the wheels lead: not used
   std::uint64_t times_lost = 0;       // held for too long
   std::uint64_t relocalised = 0;      // found again in the own map
+  std::uint64_t frames_blind = 0;     // used ones that showed too little of the map: by the wheels
   std::uint64_t begun_anew = 0;  // young maps of wrong scale that were given up, and maps_reset
   RepairCounters repairs;
 };

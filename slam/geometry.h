@@ -46,4 +46,9 @@ struct Pose2 {
   }
 };
 
+struct PoseEstimate {
+  Pose2 mean;
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  // over (x, y, theta)
+};
+
 }  // namespace zenith

@@ -141,7 +141,7 @@ void JointFilter::update(std::span<const JointFrame> frames) {
   Mapper& host = mapper(host_robot);
   for (const JointFrame& f : frames) {
     assert(leader(f.robot) == host_robot);
-    mapper(f.robot).move(f.travel, *f.features);
+    mapper(f.robot).move(f.moved, *f.features);
   }
   host.forget_unseen();
   for (const JointFrame& f : frames) mapper(f.robot).sense(*f.features, *f.view);
@@ -212,7 +212,7 @@ void JointFilter::start_landmarks(std::span<const JointFrame> frames) {
   const auto first = static_cast<std::size_t>(steps_ % std::max<std::size_t>(frames.size(), 1));
   for (std::size_t k = 0; k < frames.size(); ++k) {
     const JointFrame& f = frames[(k + first) % frames.size()];
-    if (!mapper(f.robot).start_due()) continue;
+    if (!mapper(f.robot).start_due(*f.features)) continue;
     mapper(f.robot).start_landmarks(*f.features);
     return;
   }

@@ -41,7 +41,7 @@ struct JointCounters {
 // One robot's used frame.
 struct JointFrame {
   int robot = -1;
-  WheelTravel travel;            // since its last used frame
+  MotionIncrement moved;         // by the wheels since its last used frame
   Features* features = nullptr;  // corrected in place
   const FeatureExtractor* view = nullptr;
 };

@@ -75,7 +75,7 @@ void JointSlam::step(std::span<const Frame> frames) {
       }
       Slam::State& own = *slam(f.robot).state_;
       if (!own.accept(f.input)) continue;
-      if (own.begin(f.input)) used.push_back({f.robot, own.travel, own.features, &own.extractor});
+      if (own.begin(f.input)) used.push_back({f.robot, own.moved, own.features, &own.extractor});
     }
     if (alone) continue;
     if (!used.empty()) s.filter.update(used.span());

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <utility>
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
@@ -10,6 +11,16 @@
 #include "slam/filter/resample.h"
 
 namespace zenith {
+namespace {
+
+// From the body's axes to those of the start, over (x, y, theta).
+Eigen::Matrix3d turned(double heading_rad) {
+  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
+  R.topLeftCorner<2, 2>() = rotation(heading_rad);
+  return R;
+}
+
+}  // namespace
 
 void Mapper::layout(Arena& arena, const Parameters& parameters) {
   const int n = std::min(parameters.particles, kMaxParticles);
@@ -37,6 +48,8 @@ void Mapper::build(const RobotConfig& robot, const Parameters& parameters, std::
   association_.gate_sigma = p_.gate_sigma;
   association_.ncc_min = static_cast<float>(p_.ncc_match);
   pixel_ = 1.0 / f;
+  depth_prior_ =
+      DepthPrior::between(p_.min_height_m - robot_.mount.z_m, p_.max_height_m - robot_.mount.z_m);
   association_.min_radius = 1.5 * pixel_;
   closing_search_.build(p_);
   map_ = &own_map_;
@@ -52,14 +65,15 @@ void Mapper::build(const RobotConfig& robot, const Parameters& parameters, std::
   effective_ = static_cast<double>(n);
 }
 
-bool Mapper::worth_using(const WheelTravel& travel) const {
-  const Pose2 moved = wheel_motion(robot_.wheels, travel);
-  return first_ || std::hypot(moved.x_m, moved.y_m) >= p_.min_travel_m ||
-         std::abs(moved.theta_rad) >= p_.min_turn_deg * kDegree;
+bool Mapper::worth_using(const MotionIncrement& moved) const {
+  const Pose2& m = moved.mean;
+  return first_ || std::hypot(m.x_m, m.y_m) >= p_.min_travel_m ||
+         std::abs(m.theta_rad) >= p_.min_turn_deg * kDegree;
 }
 
-void Mapper::update(const WheelTravel& travel, Features& features, const FeatureExtractor& view) {
-  move(travel, features);
+void Mapper::update(const MotionIncrement& moved, Features& features,
+                    const FeatureExtractor& view) {
+  move(moved, features);
   forget_unseen();
   if (!follow(features, view)) return hold();
   weigh(features);
@@ -72,7 +86,7 @@ void Mapper::update(const WheelTravel& travel, Features& features, const Feature
     note(c, f);
   }
   keep();
-  if (start_due()) start_landmarks(features);
+  if (start_due(features)) start_landmarks(features);
   if (calibration_.enabled()) finish_calibration();
   if (resampling_due()) resample();
 }
@@ -82,20 +96,15 @@ MotionNoise Mapper::motion_noise() const {
           p_.odometry_floor_m};
 }
 
-void Mapper::move(const WheelTravel& travel, Features& features) {
+void Mapper::move(const MotionIncrement& moved, Features& features) {
   ++frames_used_;
-  set_motion(travel);
-  const double way = std::hypot(motion_.mean.x_m, motion_.mean.y_m);
-  travelled_m_ += way;
-  drift_travel_m_ += way;
-  map_->add_way(way_share_ * way);
-  if (p_.optimal_proposal != 0) {
-    move_by_mean(particles_, motion_);
-  } else {
-    move_by_sample(particles_, motion_, random_);
-  }
+  const Pose2 before = pose_.mean;
+  set_motion(moved);
+  move_by_mean(particles_, moved_);
   check_poses();
   pose_ = estimate_pose(particles_);
+  pose_by_calibration_.row(0) -= (pose_.mean.y_m - before.y_m) * pose_by_calibration_.row(2);
+  pose_by_calibration_.row(1) += (pose_.mean.x_m - before.x_m) * pose_by_calibration_.row(2);
   for (Feature& f : features) {
     const Eigen::Vector2d shift = calibration_effect({f.zx, f.zy}) * calibration_.beta();
     f.zx += static_cast<float>(shift.x());
@@ -116,6 +125,8 @@ void Mapper::match(const Features& features, const FeatureExtractor& view) {
 }
 
 void Mapper::weigh(const Features& features) {
+  blind_ = !first_ && !sees_map();
+  if (blind_) return wait_for_landmarks();
   learn_noise(features);
   trust_matches(features);
   carry_drift();
@@ -123,9 +134,30 @@ void Mapper::weigh(const Features& features) {
   weigh_and_move(features);
 }
 
+bool Mapper::sees_map() const {
+  const auto seen = std::count_if(candidates_[0].begin(), candidates_[0].end(),
+                                  [](const Candidate& c) { return c.promoted && c.inlier; });
+  return seen >= kLeastSeen;
+}
+
+// Where the particles are is not known well enough for what little this frame shows.
+void Mapper::wait_for_landmarks() {
+  ++counters_.frames_blind;
+  loop_closing_ = false;
+  correction_ = PoseCorrection{};
+  corner_used_.fill(false);
+  for (Candidate& c : candidates_[0]) {
+    c.corner = -1;
+    c.inlier = false;
+  }
+  carry_drift();
+}
+
 void Mapper::estimate() {
   effective_ = normalise_weights(particles_, counters_.repairs);
   pose_ = estimate_pose(particles_);
+  const Eigen::Matrix3d R = turned(pose_.mean.theta_rad);
+  pose_.covariance += R * undrawn_.covariance * R.transpose();
   if (!calibration_.enabled()) return;
   // All particles share one calibration: what it may still have wrong is not in their spread.
   const PoseSensitivity& A = pose_by_calibration_;
@@ -133,18 +165,13 @@ void Mapper::estimate() {
   check_estimate();
 }
 
-// Propagates how pose and landmarks depend on the calibration, and what the residuals tell of it.
+// How pose and landmarks depend on the calibration, and what the residuals tell of it.
 // Runs before the particles move, at the one that weighs most.
 void Mapper::learn_calibration(const Features& features) {
   const auto n = static_cast<std::ptrdiff_t>(particles_.count);
   const int best =
       static_cast<int>(std::max_element(particles_.weight.begin(), particles_.weight.begin() + n) -
                        particles_.weight.begin());
-  const Eigen::Vector2d moved =
-      rotation(pose_.mean.theta_rad - motion_.mean.theta_rad) * motion_.mean.position();
-  pose_by_calibration_.row(0) -= moved.y() * pose_by_calibration_.row(2);
-  pose_by_calibration_.row(1) += moved.x() * pose_by_calibration_.row(2);
-
   const Eigen::Matrix3d Q = motion_.covariance + 4e-10 * Eigen::Matrix3d::Identity();
   calibration_.begin_frame(Q.llt().solve(Eigen::Matrix3d::Identity()));
   const auto for_each_inlier = [&](auto&& visit) {
@@ -188,6 +215,11 @@ void Mapper::weigh_and_move(const Features& features) {
   const auto lever = lever_m().cast<float>().eval();
   if (jumped_) jump_particles();
   proposal_.clear(particles_.count);
+  if (!optimal) {
+    draw_from_motion(particles_, std::exchange(undrawn_, {}).covariance, random_);
+    check_poses();
+    place_cameras(particles_, lever_m());
+  }
   for (const Candidate& c : candidates_[0]) {
     if (!c.promoted || !c.inlier) continue;
     const Feature& f = features[static_cast<std::size_t>(c.corner)];
@@ -200,7 +232,10 @@ void Mapper::weigh_and_move(const Features& features) {
                          static_cast<float>(p_.likelihood_cap), particles_.log_weight.data());
     }
   }
-  if (optimal && !first_) draw_from_proposal(particles_, motion_, proposal_, random_);
+  if (optimal && !first_) {
+    draw_from_proposal(particles_, motion_.covariance, proposal_, random_);
+    undrawn_ = {};
+  }
   check_poses();
   if (jumped_) carry_recent_map();
   if (gliding_) glide();

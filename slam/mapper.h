@@ -38,21 +38,27 @@ class Mapper {
   void build(const RobotConfig& robot, const Parameters& parameters, std::uint64_t seed);
 
   // Whether the robot moved enough since the last used frame for this one to tell anything new.
-  bool worth_using(const WheelTravel& travel) const;
+  bool worth_using(const MotionIncrement& moved) const;
 
   // Whether the picture has moved though the wheels have not: the robot is pushed or turned.
   bool sees_push(const Features& features) const;
 
-  // One used frame; `travel` of the wheels since the last used one.
+  // One used frame; `moved`: by the wheels since the last used one.
   // Corrects the features for the calibration learned so far.
+  //
   // A frame that does not fit where the wheels lead, nor any place near, is held: the poses follow
   // the wheels, the map stays as it is.
-  void update(const WheelTravel& travel, Features& features, const FeatureExtractor& view);
+  //
+  // A frame that shows fewer than kLeastSeen landmarks of the map is blind: poses are moved by the
+  // wheels' mean, and their error is not drawn. It is kept, composed with that of further blind
+  // frames, and drawn at once when landmarks are seen again, with all that they say of it; or when
+  // new ones are started. In between the mean pose is that of the wheels.
+  void update(const MotionIncrement& moved, Features& features, const FeatureExtractor& view);
 
   // What breaks in it is repaired and counted (MapperCounters::repairs): see mapper_repair.cpp.
   // The phases of update() in their order, for a filter over several robots (joint.h).
   // By odometry; corrects the features.
-  void move(const WheelTravel& travel, Features& features);
+  void move(const MotionIncrement& moved, Features& features);
   // Tentative landmarks that are out of sight for long.
   void forget_unseen();
   // Matches the features, draws the poses, adds to the log weights.
@@ -64,7 +70,7 @@ class Mapper {
   // Promotion and pruning of this frame's candidates.
   void keep();
   // New landmarks, when the robot has gone on far enough since the last ones.
-  bool start_due() const;
+  bool start_due(const Features& features) const;
   void start_landmarks(const Features& features);
   // Poses, weights, map. The parents are valid until the next call.
   bool resampling_due() const;
@@ -99,6 +105,8 @@ class Mapper {
   // After the last frame of update().
   TrackingState tracking() const { return tracking_.state(); }
   const MapperCounters& counters() const { return counters_; }
+  // The last used frame showed too little of the map: the pose is the wheels' since the last other.
+  bool blind() const { return blind_; }
   Eigen::Vector2d lever_m() const { return {robot_.mount.x_m, robot_.mount.y_m}; }
   const RobotConfig& robot() const { return robot_; }
   MotionNoise motion_noise() const;
@@ -154,7 +162,7 @@ class Mapper {
   void keep_corners(const Features& features);
 
   // mapper_repair.cpp, each after what may have broken something:
-  void set_motion(const WheelTravel& travel);
+  void set_motion(const MotionIncrement& moved);
   void check_poses();
   void reset_poses();
   void check_correction();
@@ -169,6 +177,11 @@ class Mapper {
   void evict_one();
   void evict_anchor();
   Eigen::Matrix3d spread_in_body() const;
+  void add_likelihoods(const Features& features);
+  int heaviest_particle() const;
+  static bool shows_corners(const Features& features);
+  bool sees_map() const;
+  void wait_for_landmarks();
 
   RobotConfig robot_;
   Parameters p_;
@@ -181,7 +194,10 @@ class Mapper {
   Map own_map_;
   Map* map_ = &own_map_;  // or the map of the mapper that this one has joined
   Associator associator_;
-  MotionIncrement motion_;
+  Pose2 moved_;              // by the wheels: this frame's mean
+  MotionIncrement motion_;   // the same after what was undrawn before
+  MotionIncrement undrawn_;  // by which the particles were moved, its error not yet drawn
+  bool blind_ = false;       // the last used frame
   ProposalRows proposal_;
   CalibrationEstimator calibration_;
   NoiseScale noise_scale_;

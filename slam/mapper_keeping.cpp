@@ -18,7 +18,10 @@ constexpr int kMisfitPrior = 10;
 constexpr int kMisfitMemory = 50;
 constexpr double kInView_m = 1.0;  // seen within this way: not to be evicted
 constexpr int kEstablishedObservations = 10;
-constexpr double kYoung_m = 3.0;         // of the way since it was begun, a map may be given up
+constexpr double kYoung_m = 3.0;  // of the way since it was begun, a map may be given up
+// With fewer corners there is nothing to see, and no landmark to be started that would be seen
+// again.
+constexpr int kFewCorners = 4;
 constexpr double kTentativeWay_m = 1.0;  // a tentative landmark unseen for this long is forgotten
 
 }  // namespace
@@ -84,6 +87,8 @@ void Mapper::keep() {
   if (std::exchange(scale_wrong_, false) && young) begin_anew();
   check_map();
   refresh_in_turn();
+  // A blind frame says nothing against landmarks that it does not show.
+  if (blind_) return;
   for (const Candidate& c : candidates_[0]) {
     LandmarkInfo& l = map_->info(c.slot);
     if (l.state == LandmarkState::kFree) continue;
@@ -118,7 +123,14 @@ bool Mapper::near_candidate(const Feature& f) const {
   return false;
 }
 
-bool Mapper::start_due() const {
+bool Mapper::shows_corners(const Features& features) {
+  const auto described =
+      std::count_if(features.begin(), features.end(), [](const Feature& f) { return f.described; });
+  return described >= kFewCorners;
+}
+
+bool Mapper::start_due(const Features& features) const {
+  if (blind_ && !shows_corners(features)) return false;
   const double turned = std::abs(wrap_angle(pose_.mean.theta_rad - anchor_heading_rad_));
   if (jumped_) return false;  // what is predicted is the map before the jump
   return first_ || travelled_m_ - anchor_travel_m_ >= p_.anchor_distance_m ||
@@ -127,6 +139,12 @@ bool Mapper::start_due() const {
 
 void Mapper::start_landmarks(const Features& features) {
   first_ = false;
+  if (!undrawn_.covariance.isZero(0.0)) {
+    draw_from_motion(particles_, std::exchange(undrawn_, {}).covariance, random_);
+    check_poses();
+    place_cameras(particles_, lever_m());
+    estimate();
+  }
   if (map_->anchors_used() == kMaxAnchors) evict_anchor();
   const int anchor = map_->create_anchor(particles_.camera, pose_by_calibration_, drift_travel_m_);
   if (anchor < 0) {

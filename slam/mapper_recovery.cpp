@@ -61,7 +61,7 @@ bool Mapper::follow(const Features& features, const FeatureExtractor& view) {
   }
   ++counters_.frames_held;
   if (lost) return false;
-  tracking_.hold(std::hypot(motion_.mean.x_m, motion_.mean.y_m));
+  tracking_.hold(std::hypot(moved_.x_m, moved_.y_m));
   if (tracking_.state() == TrackingState::kLost) {
     ++counters_.times_lost;
     relocaliser_.reset();
@@ -84,7 +84,7 @@ bool Mapper::recover(const FrameOverMap& frame) {
 }
 
 bool Mapper::relocalise(const FrameOverMap& frame) {
-  const auto found = relocaliser_.step(frame, motion_.mean, search_);
+  const auto found = relocaliser_.step(frame, moved_, search_);
   if (!found) return false;
   if (!continue_at(frame, *found)) return false;
   ++counters_.relocalised;

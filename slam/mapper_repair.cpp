@@ -30,14 +30,21 @@ constexpr double kScatter_rad = 0.02;
 
 }  // namespace
 
-void Mapper::set_motion(const WheelTravel& travel) {
-  motion_ = motion_increment(robot_.wheels, travel, motion_noise());
-  const Pose2& m = motion_.mean;
-  const bool usable = is_within(m.x_m, kFarthest_m) && is_within(m.y_m, kFarthest_m) &&
-                      is_within(m.theta_rad, kFarthest_m) && is_covariance(motion_.covariance);
-  if (usable) return;
-  motion_ = MotionIncrement{};
-  ++counters_.repairs.travels_refused;
+void Mapper::set_motion(const MotionIncrement& moved) {
+  const MotionIncrement all = undrawn_ * moved;
+  bool usable = true;
+  for (const MotionIncrement& m : {moved, all}) {
+    usable = usable && is_within(m.mean.x_m, kFarthest_m) && is_within(m.mean.y_m, kFarthest_m) &&
+             is_within(m.mean.theta_rad, kFarthest_m) && is_covariance(m.covariance);
+  }
+  motion_ = usable ? all : undrawn_;
+  undrawn_ = motion_;
+  moved_ = usable ? moved.mean : Pose2{};
+  if (!usable) ++counters_.repairs.travels_refused;
+  const double way = std::hypot(moved_.x_m, moved_.y_m);
+  travelled_m_ += way;
+  drift_travel_m_ += way;
+  map_->add_way(way_share_ * way);
 }
 
 void Mapper::check_poses() {

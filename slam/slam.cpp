@@ -31,6 +31,7 @@ Slam::Slam(const RobotConfig& robot, const Parameters& given, std::uint64_t seed
   state_->layout(arena, parameters);
   state_->extractor.build(robot, parameters);
   state_->mapper.build(robot, parameters, seed);
+  state_->wheels.build(robot.wheels, state_->mapper.motion_noise());
   state_->fleet.build(parameters);
   state_->watch.build(robot);
   state_->counters.parameters_limited = static_cast<std::uint64_t>(limited);
@@ -40,21 +41,29 @@ Slam::~Slam() {
   state_->~State();
 }
 
+void Slam::add_wheels(std::span<const WheelSample> samples) {
+  state_->add_wheels(samples);
+}
+
 const StepOutput& Slam::step(const StepInput& input) {
   State& s = *state_;
   if (!s.accept(input)) return s.output;
   const bool use = s.begin(input);
-  if (use) s.mapper.update(s.travel, *s.features, s.extractor);
+  if (use) s.mapper.update(s.moved, *s.features, s.extractor);
   s.cooperate(use && s.mapper.tracking() == TrackingState::kTracking);
   s.finish(use, {});
   return s.output;
 }
 
-bool Slam::State::accept(const StepInput& input) {
-  for (const WheelSample& sample : input.wheels) {
+void Slam::State::add_wheels(std::span<const WheelSample> samples) {
+  for (const WheelSample& sample : samples) {
     if (!wheels.add(sample)) ++counters.odometry_rejected;
   }
   counters.odometry_jumps = wheels.jumps();
+}
+
+bool Slam::State::accept(const StepInput& input) {
+  add_wheels(input.wheels);
   output.accepted =
       extractor.fits(input.frame) && stamps.take(input.stamp) != StampGuard::Verdict::kRefused;
   ++(output.accepted ? counters.frames : counters.frames_refused);
@@ -62,26 +71,25 @@ bool Slam::State::accept(const StepInput& input) {
 }
 
 bool Slam::State::begin(const StepInput& input) {
-  const WheelHistory::At at = wheels.at(clock.taken(input.stamp));
-  if (!at.known || at.extrapolated) ++counters.odometry_extrapolated;
-  now = at.total;
-  if (at.known) {
-    dead_reckoning.advance(mapper.robot().wheels, input.stamp, now, mapper.motion_noise());
+  const WheelMotion::Since since = wheels.advance(clock.taken(input.stamp));
+  if (since.extrapolated) ++counters.odometry_extrapolated;
+  if (since.known) {
+    dead_reckoning.advance(wheels.with_floor(since.motion), input.stamp - output.stamp);
     output.odometry = dead_reckoning.odometry();
   }
-  if (!has_used) used = now;
-  travel = {now.left_m - used.left_m, now.right_m - used.right_m};
+  unused = unused * since.motion;
+  moved = wheels.with_floor(unused);
   features = &extractor.extract(input.frame, input.corners_max);
   output.stamp = input.stamp;
   output.stamp_jitter_s = clock.jitter_s();
   output.corners = static_cast<int>(features->size());
   watch.observe({input.stamp, features->span(), extractor.rectified(), extractor.repeated()},
-                wheels);
-  const bool moved =
-      mapper.worth_using(travel) || (!extractor.repeated() && mapper.sees_push(*features));
-  output.repeated = moved && extractor.repeated();
+                wheels.history());
+  const bool due =
+      mapper.worth_using(moved) || (!extractor.repeated() && mapper.sees_push(*features));
+  output.repeated = due && extractor.repeated();
   counters.frames_repeated += output.repeated ? 1 : 0;
-  return moved && !output.repeated;
+  return due && !output.repeated;
 }
 
 void Slam::State::cooperate(bool used_frame) {
@@ -94,21 +102,20 @@ void Slam::State::cooperate(bool used_frame) {
 }
 
 void Slam::State::finish(bool used_frame, const Pose2& T_own_map) {
-  Pose2 pose = mapper.pose().mean;
+  PoseEstimate pose = {mapper.pose().mean, mapper.pose_covariance()};
   used_last = used_frame;
   output.tracking = mapper.tracking();
   watch.note_tracking(output.tracking == TrackingState::kLost, output.stamp);
   if (used_frame) {
-    used = now;
-    has_used = true;
+    unused = {};
   } else {
-    const Pose2 moved = pose * wheel_motion(mapper.robot().wheels, travel);
-    if (is_usable(moved)) pose = moved;
+    const PoseEstimate now = pose * moved;
+    if (is_usable(now.mean) && is_covariance(now.covariance)) pose = now;
   }
-  output.T_start_robot = T_own_map * pose;
+  output.T_start_robot = T_own_map * pose.mean;
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
   R.topLeftCorner<2, 2>() = rotation(T_own_map.theta_rad);
-  output.pose_covariance = R * mapper.pose_covariance() * R.transpose();
+  output.pose_covariance = R * pose.covariance * R.transpose();
   output.effective_sample_size = mapper.effective_sample_size();
   output.corner_sigma_px = mapper.corner_sigma_px();
   output.candidates = 0;

@@ -34,8 +34,8 @@ namespace zenith {
 struct StepInput {
   Time stamp;       // the frame's capture stamp
   ImageView frame;  // the fisheye frame, as large as the lens says
-  // All since the last step, in order; the last one at or after `stamp`, or the travel is
-  // extrapolated (and counted).
+  // All since the last step or add_wheels(), in order; the last one at or after `stamp`, or the
+  // travel is extrapolated (and counted).
   std::span<const WheelSample> wheels;
   int corners_max = kMaxCorners;  // fewer than Parameters::corners_max sheds load in this frame
 };
@@ -81,6 +81,9 @@ class Slam {
   // not rise is refused and counted: the output is the last one, with `accepted` false. Stamps of a
   // clock that was set back are taken again after kOtherClockFrames (slam/bounds.h).
   const StepOutput& step(const StepInput& input);
+
+  // Wheel samples ahead of the next frame, for callers that cannot keep them until it comes.
+  void add_wheels(std::span<const WheelSample> samples);
 
   // Of the last step.
   const StepOutput& output() const;

@@ -17,21 +17,20 @@ struct Slam::State {
   Mapper mapper;
   Fleet fleet;
   ObservedFrame observed;
-  WheelHistory wheels;
+  WheelMotion wheels;
   FrameClock clock;
   StampGuard stamps{kOtherClockFrames};
   DeadReckoning dead_reckoning;
   SetupWatch watch;
-  WheelTravel used;  // total travel at the last used frame
-  bool has_used = false;
   bool used_last = false;  // the last frame
   StepCounters counters;
   StepOutput output;
 
-  // This frame: its corners, and the travel since the last used one.
+  // This frame: its corners, and the motion by the wheels since the last used one, without and with
+  // the noise's floor.
   Features* features = nullptr;
-  WheelTravel now;
-  WheelTravel travel;
+  MotionIncrement unused;
+  MotionIncrement moved;
 
   void layout(Arena& arena, const Parameters& parameters) {
     extractor.layout(arena);
@@ -39,6 +38,7 @@ struct Slam::State {
     fleet.layout(arena);
   }
 
+  void add_wheels(std::span<const WheelSample> samples);
   // Takes the wheels; false when the frame is refused.
   bool accept(const StepInput& input);
   // Corners; whether the robot moved enough for the frame to be used.

@@ -93,8 +93,9 @@ void spread_alignments(const std::vector<AlignmentRow>& rows,
 // Wheels and truth of the recording, at the stamps of the estimated trajectory.
 Status fill_frames(Recording& recording, const std::vector<StampedPose>& estimate,
                    RobotLog& robot) {
-  WheelHistory wheels;
-  DeadReckoning odometry;
+  WheelMotion wheels;
+  wheels.build(recording.config().wheels, {});
+  Pose2 odometry;
   SourceFrame frame;
   std::size_t next = 0;
   for (auto more = recording.next(frame);; more = recording.next(frame)) {
@@ -103,10 +104,8 @@ Status fill_frames(Recording& recording, const std::vector<StampedPose>& estimat
     FrameLog log;
     log.stamp = frame.stamp;
     for (const WheelSample& sample : frame.wheels) wheels.add(sample);
-    if (const WheelHistory::At at = wheels.at(frame.stamp); at.known) {
-      odometry.advance(recording.config().wheels, frame.stamp, at.total, {});
-    }
-    log.odometry = odometry.odometry().T_odom_robot;
+    odometry = odometry * wheels.advance(frame.stamp).motion.mean;
+    log.odometry = odometry;
     log.truth = frame.truth;
     while (next < estimate.size() && estimate[next].stamp < frame.stamp) ++next;
     if (next == estimate.size()) break;

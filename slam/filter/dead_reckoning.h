@@ -2,14 +2,11 @@
 // The pose by the wheels alone, from the first known travel on: continuous, and wrong without
 // bound.
 //
-//   x' = x + u,   P' = F P F^T + G Q G^T     (+: composition of poses, Pose2)
-//
-// u and Q are the motion model's mean and covariance over (forward, left, turn) in the body
-// (proposal.h); F = dx'/dx, G turns the body's axes into those of the start.
+//   x' = x + u,   P' as of a PoseEstimate and a MotionIncrement (motion.h)
 
 #include <Eigen/Core>
 
-#include "slam/filter/proposal.h"
+#include "slam/filter/motion.h"
 
 namespace zenith {
 
@@ -23,18 +20,13 @@ struct Odometry {
 
 class DeadReckoning {
  public:
-  // `total` travel at `stamp`; stamps rise. The first call is the start. Travel between stamps that
-  // do not rise, or that is no number, is left out.
-  void advance(const Wheels& wheels, Time stamp, const WheelTravel& total,
-               const MotionNoise& noise);
+  // The motion of the wheels in `interval`. One that is no number, or took no time, is left out.
+  void advance(const MotionIncrement& motion, Duration interval);
 
   const Odometry& odometry() const { return odometry_; }
 
  private:
   Odometry odometry_;
-  WheelTravel last_;
-  Time last_stamp_;
-  bool begun_ = false;
 };
 
 }  // namespace zenith

@@ -73,18 +73,53 @@ double normalise_weights(Particles& particles, RepairCounters& repairs) {
   return 1.0 / squares;
 }
 
-PoseEstimate estimate_pose(const Particles& particles) {
-  PoseEstimate estimate;
+namespace {
+
+// The heading from which the particles' headings add up to nothing.
+double mean_heading(const Particles& particles) {
   double c = 0.0;
   double s = 0.0;
   for (int i = 0; i < particles.count; ++i) {
     const auto k = static_cast<std::size_t>(i);
-    estimate.mean.x_m += particles.weight[k] * particles.x_m[k];
-    estimate.mean.y_m += particles.weight[k] * particles.y_m[k];
     c += particles.weight[k] * std::cos(particles.theta_rad[k]);
     s += particles.weight[k] * std::sin(particles.theta_rad[k]);
   }
-  estimate.mean.theta_rad = std::atan2(s, c);
+  const double direction = std::atan2(s, c);
+  double off = 0.0;
+  for (int i = 0; i < particles.count; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    off += particles.weight[k] * wrap_angle(particles.theta_rad[k] - direction);
+  }
+  return wrap_angle(direction + off);
+}
+
+// (phi / 2) cot(phi / 2) for phi in [-pi, pi].
+double half_cotangent(double phi) {
+  const double half = 0.5 * phi;
+  const double square = half * half;
+  if (square < 1e-3) return 1.0 - square / 3.0 - square * square / 45.0;
+  return half / std::tan(half);
+}
+
+}  // namespace
+
+PoseEstimate estimate_pose(const Particles& particles) {
+  PoseEstimate estimate;
+  estimate.mean.theta_rad = mean_heading(particles);
+  const Pose2 near = particles.pose(0);
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  double scale = 0.0;
+  for (int i = 0; i < particles.count; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const double phi = wrap_angle(particles.theta_rad[k] - estimate.mean.theta_rad);
+    const double a = half_cotangent(phi);
+    const double x = particles.x_m[k] - near.x_m;
+    const double y = particles.y_m[k] - near.y_m;
+    sum += particles.weight[k] * Eigen::Vector2d(a * x + 0.5 * phi * y, a * y - 0.5 * phi * x);
+    scale += particles.weight[k] * a;
+  }
+  estimate.mean.x_m = near.x_m + sum.x() / scale;
+  estimate.mean.y_m = near.y_m + sum.y() / scale;
   for (int i = 0; i < particles.count; ++i) {
     const auto k = static_cast<std::size_t>(i);
     const Eigen::Vector3d d(particles.x_m[k] - estimate.mean.x_m,

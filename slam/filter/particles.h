@@ -60,12 +60,14 @@ void place_cameras(Particles& particles, const Eigen::Vector2d& lever_m);
 // all particles weigh alike. Both are counted.
 double normalise_weights(Particles& particles, RepairCounters& repairs);
 
-struct PoseEstimate {
-  Pose2 mean;
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  // over (x, y, theta)
-};
-
-// Weighted mean and covariance; the mean heading is the direction of the mean unit vector.
+// Weighted mean and covariance. The mean is the group's: the pose from which the particles' errors,
+// as logarithms in SE(2), add up to nothing. The mean of a motion's end is then the motion from the
+// mean, mean(x_i u) = mean(x_i) u, however far the headings spread, where a mean over coordinates
+// lies inside of the arc on which the particles are (Pennec, Arsigny, "Exponential barycenters of
+// the canonical Cartan connection and invariant means on Lie groups", 2012).
+//
+//   sum w_i phi_i = 0,   sum w_i V(phi_i)^-1 (p_i - p) = 0,   phi_i = theta_i - theta
+//   V(phi)^-1 = [a, phi / 2; -phi / 2, a],   a = (phi / 2) cot(phi / 2)
 PoseEstimate estimate_pose(const Particles& particles);
 
 }  // namespace zenith

@@ -25,34 +25,16 @@ void move(Particles& particles, int i, const Eigen::Vector3d& xi) {
 
 }  // namespace
 
-MotionIncrement motion_increment(const Wheels& wheels, const WheelTravel& travel,
-                                 const MotionNoise& noise) {
-  MotionIncrement out;
-  out.mean = wheel_motion(wheels, travel);
-  const double way = 0.5 * (std::abs(travel.left_m) + std::abs(travel.right_m));
-  if (way == 0.0) return out;
-  const auto square = [](double x) { return x * x; };
-  const double b = wheels.track_width_m;
-  out.covariance(0, 0) = square(noise.distance_per_sqrt_m) * way + 0.5 * square(noise.floor_m);
-  out.covariance(1, 1) = square(noise.lateral_per_sqrt_m) * way;
-  out.covariance(2, 2) = square(noise.turn_per_sqrt_m) * way + 2.0 * square(noise.floor_m / b);
-  return out;
-}
-
-void move_by_mean(Particles& particles, const MotionIncrement& motion) {
-  const Eigen::Vector3d xi(motion.mean.x_m, motion.mean.y_m, motion.mean.theta_rad);
+void move_by_mean(Particles& particles, const Pose2& mean) {
+  const Eigen::Vector3d xi(mean.x_m, mean.y_m, mean.theta_rad);
   for (int i = 0; i < particles.count; ++i) move(particles, i, xi);
 }
 
-void move_by_sample(Particles& particles, const MotionIncrement& motion, Random& random) {
-  const Eigen::Vector3d mean(motion.mean.x_m, motion.mean.y_m, motion.mean.theta_rad);
+void draw_from_motion(Particles& particles, const Eigen::Matrix3d& covariance, Random& random) {
+  if (covariance.isZero(0.0)) return;
   const Eigen::Matrix3d L =
-      (motion.covariance + kMinVariance * Eigen::Matrix3d::Identity()).llt().matrixL();
-  const bool still = motion.covariance.isZero(0.0);
-  for (int i = 0; i < particles.count; ++i) {
-    const Eigen::Vector3d noise = L * normal3(random);
-    move(particles, i, still ? mean : Eigen::Vector3d(mean + noise));
-  }
+      (covariance + kMinVariance * Eigen::Matrix3d::Identity()).llt().matrixL();
+  for (int i = 0; i < particles.count; ++i) move(particles, i, L * normal3(random));
 }
 
 void ProposalRows::layout(Arena& arena, int particles) {
@@ -71,9 +53,9 @@ void add_to_proposal(const LandmarkRows& landmark, const CameraRows& camera, int
                                 {zx, zy, noise}, rows.row);
 }
 
-void draw_from_proposal(Particles& particles, const MotionIncrement& motion,
+void draw_from_proposal(Particles& particles, const Eigen::Matrix3d& covariance,
                         const ProposalRows& rows, Random& random) {
-  const Eigen::Matrix3d Q = motion.covariance + kMinVariance * Eigen::Matrix3d::Identity();
+  const Eigen::Matrix3d Q = covariance + kMinVariance * Eigen::Matrix3d::Identity();
   const Eigen::Matrix3d prior = Q.llt().solve(Eigen::Matrix3d::Identity());
   const double log_det_prior = std::log(prior.determinant());
   for (int i = 0; i < particles.count; ++i) {

@@ -20,28 +20,10 @@
 
 namespace zenith {
 
-// The odometry since the last frame: mean motion in the body, and Q over (forward, left, turn).
-struct MotionIncrement {
-  Pose2 mean;
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-};
-
-// Standard deviations of odometry. Distance and turn are apart: unequal wheels and slip spoil the
-// turn long before the distance (Borenstein, Feng, "UMBmark", 1995).
-struct MotionNoise {
-  double distance_per_sqrt_m = 0.002;  // m, after one metre
-  double turn_per_sqrt_m = 0.02;       // rad, after one metre
-  double lateral_per_sqrt_m = 0.002;   // m, sideways slip after one metre
-  double floor_m = 0.0003;             // of one wheel's increment: quantisation, backlash
-};
-
-// No travel, no noise: a standing robot stays.
-MotionIncrement motion_increment(const Wheels& wheels, const WheelTravel& travel,
-                                 const MotionNoise& noise);
-
-// Moves every particle by the mean motion (for `optimal`), or by a sample of it (for `motion`).
-void move_by_mean(Particles& particles, const MotionIncrement& motion);
-void move_by_sample(Particles& particles, const MotionIncrement& motion, Random& random);
+// Moves every particle by the mean motion.
+void move_by_mean(Particles& particles, const Pose2& mean);
+// Draws every particle's error of the motion that it was moved by.
+void draw_from_motion(Particles& particles, const Eigen::Matrix3d& covariance, Random& random);
 
 // Accumulators of `optimal`, rows over the particles.
 struct ProposalRows {
@@ -56,8 +38,8 @@ void add_to_proposal(const LandmarkRows& landmark, const CameraRows& camera, int
                      const Eigen::Vector2f& lever_m, float zx, float zy, float noise,
                      const ProposalRows& rows);
 
-// Draws the poses and adds the weights.
-void draw_from_proposal(Particles& particles, const MotionIncrement& motion,
+// Draws the poses and adds the weights; the covariance is the motion's.
+void draw_from_proposal(Particles& particles, const Eigen::Matrix3d& covariance,
                         const ProposalRows& rows, Random& random);
 
 }  // namespace zenith

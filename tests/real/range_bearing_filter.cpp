@@ -145,7 +145,7 @@ void RangeBearingFilter::move_optimal(const std::vector<RangeBearing>& known) {
       }
     }
   }
-  draw_from_proposal(particles_, motion_, proposal_, random_);
+  draw_from_proposal(particles_, motion_.covariance, proposal_, random_);
 }
 
 void RangeBearingFilter::move_and_weigh(const std::vector<RangeBearing>& known) {
@@ -161,13 +161,13 @@ void RangeBearingFilter::move_and_weigh(const std::vector<RangeBearing>& known) 
 
 void RangeBearingFilter::observe(const std::vector<RangeBearing>& measurements) {
   for (const RangeBearing& z : measurements) rows_.bring(z.subject, ancestry_);
+  move_by_mean(particles_, motion_.mean);
   if (settings_.optimal_proposal) {
-    move_by_mean(particles_, motion_);
     const auto known = known_and_plausible(measurements);
     move_optimal(known);
     for (const RangeBearing& z : known) update(z);
   } else {
-    move_by_sample(particles_, motion_, random_);
+    draw_from_motion(particles_, motion_.covariance, random_);
     const auto known = known_and_plausible(measurements);
     move_and_weigh(known);
     for (const RangeBearing& z : known) update(z);

@@ -42,10 +42,11 @@ class MapperRig {
     if (told != 1.0) {
       travel = wheel_travel(wheels, told * commanded.x_m, told * commanded.theta_rad);
     }
-    mapper_.update(travel, features_[0], view_);
+    mapper_.update(motion_increment(wheels, travel, noise), features_[0], view_);
   }
 
   Mapper& mapper() { return mapper_; }
+  const Mapper& mapper() const { return mapper_; }
   const FeatureExtractor& view() const { return view_; }
   Features& features() { return features_[0]; }
   const Pose2& truth() const { return truth_; }

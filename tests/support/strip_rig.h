@@ -76,11 +76,12 @@ class StripRig {
   // The part before the step under test, and the step.
   void look(double way_m) {
     x_m_ += way_m;
-    travel_ = point_world::wheel_travel(robot_.wheels, way_m, 0.0);
+    moved_ = motion_increment(robot_.wheels, point_world::wheel_travel(robot_.wheels, way_m, 0.0),
+                              mapper_.motion_noise());
     world_.observe({x_m_, 0.0, 0.0}, robot_, view_.pinhole(), kPixelSigma_px, random_,
                    features_[0]);
   }
-  void update() { mapper_.update(travel_, features_[0], view_); }
+  void update() { mapper_.update(moved_, features_[0], view_); }
   void cooperate() {
     observe(mapper_, features_[0], observed_[0]);
     const std::size_t told = publish_changes(mapper_.map(), records_);
@@ -115,7 +116,7 @@ class StripRig {
   std::span<LandmarkRecord> records_;
   PointWorld world_;
   Random random_{6};
-  WheelTravel travel_;
+  MotionIncrement moved_;
   double x_m_ = 0.0;
   int to_and_fro_ = 0;
   ArenaBlock block_;

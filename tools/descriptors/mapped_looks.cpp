@@ -98,8 +98,9 @@ Result<LookSequence> mapped_looks(const std::filesystem::path& recording, std::u
   LookSequence out;
   out.name = (*source)->name();
   Collector collector(out);
-  WheelHistory wheels;
-  std::optional<WheelTravel> used;
+  WheelMotion wheels;
+  wheels.build(robot.wheels, mapper->motion_noise());
+  MotionIncrement unused;
   std::optional<Pose2> looked;
   SourceFrame frame;
   for (int number = 0;; ++number) {
@@ -107,15 +108,14 @@ Result<LookSequence> mapped_looks(const std::filesystem::path& recording, std::u
     if (!more.ok()) return more.error();
     if (!*more) break;
     for (const WheelSample& sample : frame.wheels) wheels.add(sample);
-    const WheelTravel now = wheels.at(frame.stamp).total;
-    if (!used) used = now;
+    unused = unused * wheels.advance(frame.stamp).motion;
     const ImageView image = {frame.pixels.data(), robot.lens.width_px, robot.lens.height_px,
                              robot.lens.width_px};
     Features& features = extractor->extract(image);
-    const WheelTravel travel = {now.left_m - used->left_m, now.right_m - used->right_m};
-    if (!mapper->worth_using(travel)) continue;
-    used = now;
-    mapper->update(travel, features, *extractor);
+    const MotionIncrement moved = wheels.with_floor(unused);
+    if (!mapper->worth_using(moved)) continue;
+    unused = {};
+    mapper->update(moved, features, *extractor);
     const Pose2 pose = mapper->pose().mean;
     if (looked && (pose.position() - looked->position()).norm() < kMinStep_m &&
         std::abs(wrap_angle(pose.theta_rad - looked->theta_rad)) < kMinTurn_rad) {

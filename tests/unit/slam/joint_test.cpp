@@ -44,7 +44,7 @@ struct Robot {
     mapper.build(config, parameters(), seed);
   }
 
-  WheelTravel drive(const PointWorld& world, double v_m, double w_rad) {
+  MotionIncrement drive(const PointWorld& world, double v_m, double w_rad) {
     const Parameters p = parameters();
     const WheelTravel travel = wheel_travel(mapper.robot().wheels, v_m, w_rad);
     const MotionIncrement motion =
@@ -56,10 +56,10 @@ struct Robot {
     const double left = sigma.y() * random.normal();
     truth = truth * motion.mean * Pose2{forward, left, sigma.z() * random.normal()};
     world.observe(truth, mapper.robot(), view.pinhole(), 0.5, random, features[0]);
-    return travel;
+    return motion;
   }
-  JointFrame frame(int number, const WheelTravel& travel) {
-    return {number, travel, &features[0], &view};
+  JointFrame frame(int number, const MotionIncrement& moved) {
+    return {number, moved, &features[0], &view};
   }
 };
 
@@ -101,18 +101,18 @@ Outcome run(std::uint64_t seed, bool joint) {
   Outcome out;
   double squares = 0.0;
   for (int step = 0; step < kSteps; ++step) {
-    const WheelTravel travel[2] = {robots[0].drive(world, 0.05, 0.03),
-                                   robots[1].drive(world, 0.05, -0.025)};
+    const MotionIncrement moved[2] = {robots[0].drive(world, 0.05, 0.03),
+                                      robots[1].drive(world, 0.05, -0.025)};
     if (joint && step == kJoinAt) {
       EXPECT_TRUE(filter.join(0, 1, T, {}));
     }
     const bool together = joint && step >= kJoinAt;
     if (together) {
-      const JointFrame frames[2] = {robots[0].frame(0, travel[0]), robots[1].frame(1, travel[1])};
+      const JointFrame frames[2] = {robots[0].frame(0, moved[0]), robots[1].frame(1, moved[1])};
       filter.update(frames);
     } else {
       for (int i = 0; i < 2; ++i) {
-        robots[i].mapper.update(travel[i], robots[i].features[0], robots[i].view);
+        robots[i].mapper.update(moved[i], robots[i].features[0], robots[i].view);
       }
     }
     if (step < kSteps / 2) continue;

@@ -42,10 +42,11 @@ class Robot {
     truth_ = truth_ * moves;
     Mapper& mapper = rig_.mapper();
     const WheelTravel travel = point_world::wheel_travel({}, told.x_m, told.theta_rad);
+    const MotionIncrement moved = motion_increment({}, travel, mapper.motion_noise());
     world_.observe(truth_, mapper.robot(), rig_.view().pinhole(), 0.5, random_, rig_.features());
     if (covered_) rig_.features().clear();
-    if (!mapper.worth_using(travel) && !mapper.sees_push(rig_.features())) return;
-    mapper.update(travel, rig_.features(), rig_.view());
+    if (!mapper.worth_using(moved) && !mapper.sees_push(rig_.features())) return;
+    mapper.update(moved, rig_.features(), rig_.view());
   }
   void drive(double way_m, double turn_rad_per_m = 0.0) {
     const Pose2 step_by = {kStep_m, 0.0, turn_rad_per_m * kStep_m};

@@ -237,7 +237,7 @@ TEST_F(MapperRepair, TravelThatIsNoNumberIsNone) {
     const auto before = repairs().travels_refused;
     world_.observe(rig_->truth(), mapper().robot(), rig_->view().pinhole(), 0.5, random_,
                    rig_->features());
-    mapper().update(bad, rig_->features(), rig_->view());
+    mapper().update(motion_increment({}, bad, {}), rig_->features(), rig_->view());
     EXPECT_EQ(repairs().travels_refused, before + 1);
     expect_sound();
   }
@@ -252,7 +252,7 @@ TEST_F(MapperRepair, CornersThatAreNoNumbersMakeNoLandmarks) {
     Feature& f = rig_->features()[k];
     f.zx = f.zy = kNanF;
   }
-  mapper().update({0.1, 0.1}, rig_->features(), rig_->view());
+  mapper().update(motion_increment({}, {0.1, 0.1}, {}), rig_->features(), rig_->view());
   EXPECT_GT(repairs().landmarks_dropped, 0u);
   expect_sound();
   drive(10);

@@ -222,7 +222,8 @@ TEST(Mapper, LearnsTheCamerasTilt) {
       f.zx = static_cast<float>(seen.x());
       f.zy = static_cast<float>(seen.y());
     }
-    rig->mapper().update(travel, rig->features(), rig->view());
+    rig->mapper().update(motion_increment({}, travel, rig->mapper().motion_noise()),
+                         rig->features(), rig->view());
   }
   const CalibrationVector learned = rig->mapper().calibration().beta();
   constexpr double kDegree = std::numbers::pi / 180.0;
@@ -232,34 +233,18 @@ TEST(Mapper, LearnsTheCamerasTilt) {
   EXPECT_NEAR(learned[1], 0.0, 0.05 * kDegree);
 }
 
+MotionIncrement by_wheels(double left_m, double right_m) {
+  return motion_increment({}, {left_m, right_m}, {});
+}
+
 TEST(Mapper, UsesNoFrameWhileTheRobotStands) {
   auto rig = std::make_unique<MapperRig>(test_robot(), honest_parameters(), 1);
   EXPECT_TRUE(rig->mapper().worth_using({}));  // the first
   rig->mapper().update({}, rig->features(), rig->view());
   EXPECT_FALSE(rig->mapper().worth_using({}));
-  EXPECT_FALSE(rig->mapper().worth_using({0.002, 0.002}));
-  EXPECT_TRUE(rig->mapper().worth_using({0.006, 0.006}));
-  EXPECT_TRUE(rig->mapper().worth_using({-0.002, 0.002}));  // turns by 0.57 degrees
-}
-
-// A blind robot goes by its wheels, and says so: the covariance is that of the odometry.
-TEST(Mapper, BlindItGoesByItsWheels) {
-  const TestSeed seed;
-  Parameters p = honest_parameters();
-  p.particles = 1000;
-  p.odometry_floor_m = 0.0;
-  auto rig = std::make_unique<MapperRig>(test_robot(), p, seed.value());
-  const PointWorld empty;
-  Random random(seed.value());
-  rig->drive({}, empty, random);
-  for (int i = 0; i < 100; ++i) rig->drive({0.05, 0.0, 0.0}, empty, random);
-  const PoseEstimate& pose = rig->mapper().pose();
-  // 5 m: sigma of the heading 0.02 sqrt(5), of 1000 samples to 2.2 %; five of those.
-  const double heading = 0.02 * std::sqrt(5.0);
-  EXPECT_NEAR(std::sqrt(pose.covariance(2, 2)), heading, 5.0 * 0.0224 * heading);
-  EXPECT_NEAR(pose.mean.x_m, 5.0, 0.05);
-  EXPECT_NEAR(rig->mapper().travelled_m(), 5.0, 1e-6);
-  EXPECT_EQ(rig->mapper().map().size(), 0);
+  EXPECT_FALSE(rig->mapper().worth_using(by_wheels(0.002, 0.002)));
+  EXPECT_TRUE(rig->mapper().worth_using(by_wheels(0.006, 0.006)));
+  EXPECT_TRUE(rig->mapper().worth_using(by_wheels(-0.002, 0.002)));  // turns by 0.57 degrees
 }
 
 }  // namespace

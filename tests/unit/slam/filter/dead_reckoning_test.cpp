@@ -16,20 +16,15 @@ namespace {
 constexpr Duration kTick = {100'000'000};
 constexpr MotionNoise kNoise = {0.01, 0.03, 0.005, 0.001};
 
-TEST(DeadReckoning, BeginsAtTheFirstTravelAndStaysInOneFrame) {
+TEST(DeadReckoning, StaysInOneFrame) {
   const Wheels wheels{0.4, 1.0, 1.0};
   DeadReckoning odometry;
-  // Wheels that have turned before are no motion.
-  odometry.advance(wheels, {5}, {120.0, 80.0}, kNoise);
   EXPECT_EQ(odometry.odometry().T_odom_robot.x_m, 0.0);
   EXPECT_TRUE(odometry.odometry().covariance.isZero(0.0));
   // A quarter turn to the left on a circle of 1 m, in ten steps.
   const double quarter = 0.5 * std::numbers::pi;
-  for (int i = 1; i <= 10; ++i) {
-    const double turn = quarter * i / 10.0;
-    odometry.advance(wheels, Time{5} + Duration{i * kTick.ns},
-                     {120.0 + 0.8 * turn, 80.0 + 1.2 * turn}, kNoise);
-  }
+  const WheelTravel step = {0.8 * quarter / 10.0, 1.2 * quarter / 10.0};
+  for (int i = 1; i <= 10; ++i) odometry.advance(motion_increment(wheels, step, kNoise), kTick);
   const Odometry& found = odometry.odometry();
   EXPECT_NEAR(found.T_odom_robot.x_m, 1.0, 1e-12);
   EXPECT_NEAR(found.T_odom_robot.y_m, 1.0, 1e-12);
@@ -39,10 +34,12 @@ TEST(DeadReckoning, BeginsAtTheFirstTravelAndStaysInOneFrame) {
   EXPECT_NEAR(std::hypot(found.velocity.x(), found.velocity.y()), turn_rate, 2e-3);
   // Standing still is known, and adds nothing.
   const Eigen::Matrix3d before = found.covariance;
-  odometry.advance(wheels, Time{5} + Duration{11 * kTick.ns},
-                   {120.0 + 0.8 * quarter, 80.0 + 1.2 * quarter}, kNoise);
+  odometry.advance({}, kTick);
   EXPECT_TRUE(odometry.odometry().velocity.isZero(0.0));
   EXPECT_TRUE(odometry.odometry().covariance.isApprox(before, 1e-12));
+  // What took no time is left out.
+  odometry.advance(motion_increment(wheels, step, kNoise), {0});
+  EXPECT_NEAR(odometry.odometry().T_odom_robot.x_m, 1.0, 1e-12);
 }
 
 // Against the spread of drives whose increments were drawn from the same noise. With 20000 drives a
@@ -52,11 +49,20 @@ TEST(DeadReckoning, ItsCovarianceIsTheSpreadOfDrives) {
   const WheelTravel step{0.10, 0.13};
   constexpr int kSteps = 8;
   DeadReckoning odometry;
-  for (int i = 0; i <= kSteps; ++i) {
-    odometry.advance(wheels, Time{1} + Duration{i * kTick.ns}, {i * step.left_m, i * step.right_m},
-                     kNoise);
-  }
   const MotionIncrement u = motion_increment(wheels, step, kNoise);
+  MotionIncrement whole;
+  for (int i = 0; i < kSteps; ++i) {
+    odometry.advance(u, kTick);
+    whole = whole * u;
+  }
+  // The whole as one motion is the same.
+  DeadReckoning at_once;
+  at_once.advance(whole, kTick);
+  EXPECT_LT(
+      (at_once.odometry().T_odom_robot.position() - odometry.odometry().T_odom_robot.position())
+          .norm(),
+      1e-12);
+  EXPECT_TRUE(at_once.odometry().covariance.isApprox(odometry.odometry().covariance, 1e-9));
   const Eigen::Matrix3d L = u.covariance.llt().matrixL();
   const TestSeed seed;
   Random random(seed.value());

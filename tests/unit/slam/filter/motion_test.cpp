@@ -76,9 +76,9 @@ TEST(MotionIncrement, StandingRobotHasNoNoise) {
   EXPECT_EQ(none.mean.x_m, 0.0);
 }
 
-// The moments of 40 000 particles that start in one pose, in that pose's axes: a mean has the
-// deviation sigma / sqrt(n), a variance sqrt(2 / n) of itself, a covariance 1 / sqrt(n) of the
-// product of sigmas. Five deviations each: one false alarm in some 200 000 seeds.
+// The moments of 40 000 particles that start in one pose, in the axes of where the motion ends: a
+// mean has the deviation sigma / sqrt(n), a variance sqrt(2 / n) of itself, a covariance 1 /
+// sqrt(n) of the product of sigmas. Five deviations each: one false alarm in some 200 000 seeds.
 TEST(MotionModel, SamplesHaveTheStatedMoments) {
   const TestSeed seed;
   Random random(seed.value());
@@ -90,13 +90,13 @@ TEST(MotionModel, SamplesHaveTheStatedMoments) {
   const MotionIncrement motion = motion_increment(wheels, {0.5, 0.7}, noise);
   const Pose2 start = {3.0, -2.0, 2.5};
   for (int i = 0; i < kSamples; ++i) particles.set_pose(i, start);
-  move_by_sample(particles, motion, random);
+  move_by_mean(particles, motion.mean);
+  draw_from_motion(particles, motion.covariance, random);
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
   for (int i = 0; i < kSamples; ++i) {
-    const Pose2 moved = start.inverse() * particles.pose(i);
-    const Eigen::Vector3d d(moved.x_m - motion.mean.x_m, moved.y_m - motion.mean.y_m,
-                            wrap_angle(moved.theta_rad - motion.mean.theta_rad));
+    const Pose2 off = (start * motion.mean).inverse() * particles.pose(i);
+    const Eigen::Vector3d d(off.x_m, off.y_m, off.theta_rad);
     mean += d / kSamples;
     second += d * d.transpose() / kSamples;
   }
@@ -118,12 +118,133 @@ TEST(MotionModel, StandingParticlesStay) {
   const ArenaBlock block([&particles](Arena& arena) { particles.layout(arena, 16); });
   Random random(1);
   for (int i = 0; i < 16; ++i) particles.set_pose(i, {1.0 * i, 2.0, 0.1 * i});
-  move_by_sample(particles, motion_increment({}, {}, {}), random);
+  const MotionIncrement none = motion_increment({}, {}, {});
+  move_by_mean(particles, none.mean);
+  draw_from_motion(particles, none.covariance, random);
   for (int i = 0; i < 16; ++i) {
     EXPECT_EQ(particles.pose(i).x_m, 1.0 * i);
     EXPECT_EQ(particles.pose(i).y_m, 2.0);
     EXPECT_NEAR(particles.pose(i).theta_rad, 0.1 * i, 1e-15);
   }
+}
+
+constexpr MotionNoise kNoise = {0.001, 0.02, 0.002, 0.0003};
+constexpr std::int64_t kPeriod_ms = 10;
+
+// The wheels of a robot that drives a slalom, in samples of 10 ms.
+WheelSample slalom(std::int64_t k) {
+  const double t = 0.01 * static_cast<double>(k);
+  const double bend = 0.3 * std::sin(1.7 * t);
+  return sample(k * kPeriod_ms, 12.0 + 0.5 * t - bend, 12.0 + 0.5 * t + bend);
+}
+
+// A motion from one sample to another, arc by arc.
+MotionIncrement driven(const Wheels& wheels, std::int64_t from, std::int64_t to) {
+  MotionNoise noise = kNoise;
+  noise.floor_m = 0.0;
+  MotionIncrement out;
+  for (std::int64_t k = from; k < to; ++k) {
+    const WheelSample a = slalom(k);
+    const WheelSample b = slalom(k + 1);
+    out = out * motion_increment(wheels, {b.left_m - a.left_m, b.right_m - a.right_m}, noise);
+  }
+  return out;
+}
+
+void expect_same(const MotionIncrement& got, const MotionIncrement& expected) {
+  EXPECT_LT((got.mean.position() - expected.mean.position()).norm(), 1e-9);
+  EXPECT_NEAR(wrap_angle(got.mean.theta_rad - expected.mean.theta_rad), 0.0, 1e-9);
+  EXPECT_LT((got.covariance - expected.covariance).norm(), 1e-6 * expected.covariance.norm());
+}
+
+// Frames come every so many samples, and not at all for `gap` of them after the first second.
+void expect_every_arc(std::int64_t period, std::int64_t gap) {
+  const Wheels wheels = {0.42, 1.01, 0.99};
+  WheelMotion motion;
+  motion.build(wheels, kNoise);
+  MotionIncrement whole;
+  std::int64_t last = -1;
+  std::int64_t next = 0;
+  const std::int64_t end = 400 + gap;
+  for (std::int64_t k = 0; k <= end; ++k) {
+    ASSERT_TRUE(motion.add(slalom(k)));
+    if (k != next) continue;
+    next += k == 10 * period ? gap : period;
+    const WheelMotion::Since since = motion.advance(slalom(k).stamp);
+    EXPECT_TRUE(since.known);
+    if (last >= 0) expect_same(since.motion, driven(wheels, last, k));
+    whole = whole * since.motion;
+    last = k;
+  }
+  EXPECT_GT(last, 300 + gap);
+  expect_same(whole, driven(wheels, 0, last));
+}
+
+TEST(WheelMotion, EqualsEveryArcOfTheWheelsHoweverFarFramesAreApart) {
+  expect_every_arc(10, 10);
+  expect_every_arc(7, 30);
+  expect_every_arc(10, 250);  // more than a second
+  expect_every_arc(10, 400);  // more than the history holds
+  expect_every_arc(10, 5 * kMaxWheelSamples + 3);
+}
+
+TEST(WheelMotion, OneArcOverAGapIsFarOff) {
+  const WheelSample a = slalom(100);
+  const WheelSample b = slalom(500);
+  const Pose2 arc = wheel_motion({}, {b.left_m - a.left_m, b.right_m - a.right_m});
+  EXPECT_GT((arc.position() - driven({}, 100, 500).mean.position()).norm(), 0.1);
+}
+
+// Frames between samples: an arc that a frame cuts goes on in the next interval.
+TEST(WheelMotion, LosesNothingBetweenSamples) {
+  const Wheels wheels;
+  WheelMotion motion;
+  motion.build(wheels, kNoise);
+  MotionIncrement whole;
+  for (int k = 0; k <= 500; ++k) {
+    ASSERT_TRUE(motion.add(slalom(k)));
+    if (k == 0) motion.advance(slalom(0).stamp);
+    if (k % 9 != 4) continue;
+    whole = whole * motion.advance(slalom(k).stamp - Duration{3'700'000}).motion;
+  }
+  whole = whole * motion.advance(slalom(500).stamp).motion;
+  const MotionIncrement expected = driven(wheels, 0, 500);
+  EXPECT_LT((whole.mean.position() - expected.mean.position()).norm(), 1e-9);
+  EXPECT_NEAR(whole.covariance(2, 2), expected.covariance(2, 2), 1e-6 * expected.covariance(2, 2));
+}
+
+TEST(WheelMotion, BeginsAtTheFirstKnownTravelAndStandsWithoutNoise) {
+  WheelMotion motion;
+  motion.build({}, kNoise);
+  EXPECT_FALSE(motion.advance(Time{5 * kMs}).known);
+  ASSERT_TRUE(motion.add(sample(10, 120.0, 80.0)));
+  ASSERT_TRUE(motion.add(sample(20, 120.0, 80.0)));
+  const WheelMotion::Since first = motion.advance(Time{20 * kMs});
+  EXPECT_TRUE(first.known);
+  EXPECT_EQ(first.motion.mean.x_m, 0.0);
+  ASSERT_TRUE(motion.add(sample(30, 120.0, 80.0)));
+  const MotionIncrement stood = motion.advance(Time{30 * kMs}).motion;
+  EXPECT_TRUE(motion.with_floor(stood).covariance.isZero(0.0));
+  ASSERT_TRUE(motion.add(sample(40, 120.01, 80.01)));
+  const MotionIncrement moved = motion.advance(Time{40 * kMs}).motion;
+  EXPECT_NEAR(moved.mean.x_m, 0.01, 1e-9);
+  EXPECT_TRUE(motion.with_floor(moved).covariance.isApprox(
+      motion_increment({}, {0.01, 0.01}, kNoise).covariance, 1e-6));
+}
+
+// After the clock was set back travel goes on, whichever of wheels and frames is told first.
+TEST(WheelMotion, FollowsAClockThatWasSetBack) {
+  const auto way = [](std::int64_t k) { return 0.01 * static_cast<double>(k); };
+  WheelMotion motion;
+  motion.build({}, kNoise);
+  for (std::int64_t k = 0; k <= 100; ++k) motion.add(sample(100'000 + k * 10, way(k), way(k)));
+  motion.advance(Time{101'000 * kMs});
+  MotionIncrement whole;
+  for (std::int64_t k = 0; k <= 100; ++k) {
+    motion.add(sample(k * 10, 1.0 + way(k), 1.0 + way(k)));
+    if (k > 30 && k % 10 == 0) whole = whole * motion.advance(Time{k * 10 * kMs}).motion;
+  }
+  EXPECT_NEAR(whole.mean.x_m, 1.0, 1e-9);
 }
 
 TEST(WheelHistory, InterpolatesBetweenSamples) {

@@ -130,7 +130,7 @@ TEST(Proposal, WeightIsTheMarginalLikelihood) {
     before.push_back(scene.particles.pose(i));
     scene.particles.log_weight[static_cast<std::size_t>(i)] = 0.5;
   }
-  draw_from_proposal(scene.particles, motion, scene.rows, random);
+  draw_from_proposal(scene.particles, motion.covariance, scene.rows, random);
   constexpr int kRows = 2 * Scene::kLandmarks;
   for (int i = 0; i < Scene::kParticles; ++i) {
     const Pose2 pose = before[static_cast<std::size_t>(i)];
@@ -184,7 +184,7 @@ TEST(Proposal, DrawsFromThePosterior) {
   const Eigen::Matrix3d expected =
       (motion.covariance.inverse().eval() + G.transpose() * W * G).inverse();
   const Eigen::Vector3d expected_mean = expected * (G.transpose() * W * (s.z - s.m(pose)));
-  draw_from_proposal(particles, motion, rows, random);
+  draw_from_proposal(particles, motion.covariance, rows, random);
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
   for (int i = 0; i < kSamples; ++i) {
@@ -218,7 +218,7 @@ TEST(Proposal, WithoutLandmarksItIsTheOdometry) {
   MotionIncrement motion;
   motion.covariance = Eigen::Vector3d(1e-4, 1e-6, 1e-4).asDiagonal();
   rows.clear(kSamples);
-  draw_from_proposal(particles, motion, rows, random);
+  draw_from_proposal(particles, motion.covariance, rows, random);
   double second = 0.0;
   for (std::size_t i = 0; i < kSamples; ++i) {
     second += particles.theta_rad[i] * particles.theta_rad[i] / kSamples;
