@@ -146,11 +146,10 @@ void Perception::keep(const WheelSample& sample, Time now) {
   report_.last_wheels = now;
   frozen_.note_wheels(sample);
   if (wheels_.full()) {
-    // Travel is a total: without its older half the newer one is as good.
-    const std::size_t half = wheels_.size() / 2;
-    std::copy(wheels_.begin() + half, wheels_.end(), wheels_.begin());
-    wheels_.shrink_to(wheels_.size() - half);
-    report_.wheel_samples_dropped += half;
+    // No frame for long. The newest one stays: it tells whether a frame has its wheels.
+    slam_->add_wheels(wheels_.span().first(wheels_.size() - 1));
+    wheels_[0] = wheels_[wheels_.size() - 1];
+    wheels_.shrink_to(1);
   }
   wheels_.push_back(sample);
 }
