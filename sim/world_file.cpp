@@ -56,7 +56,7 @@ RoomSpec read_room(const toml::table& table, TomlErrors& errors) {
   RoomSpec room;
   in.text("name", room.name, true);
   read_rect(in, room.rect);
-  in.number("ceiling_m", room.ceiling_m, 2.0, 8.0);
+  in.number("ceiling_m", room.ceiling_m, 2.0, 30.0);
   in.choice("ceiling", room.ceiling, kCeilingNames);
   in.choice("lamps", room.lamps, kLampNames);
   in.choice("walls", room.walls, kWallNames);
