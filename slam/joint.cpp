@@ -15,11 +15,10 @@ constexpr double kSameHeight_m = 0.002;
 constexpr std::size_t kLeastPairs = 3;
 // What a landmark's place in a map may be off besides its covariance, as in the fleet's alignment.
 constexpr double kMapError_m = 0.02;
-constexpr float kMinRho = 0.05F;  // 20 m above the camera
 
 // The place of a landmark for one particle.
 Eigen::Vector2d place(const LandmarkRows& l, std::size_t i) {
-  const double h = 1.0 / static_cast<double>(std::max(l.rho[i], kMinRho));
+  const double h = 1.0 / static_cast<double>(std::max(l.rho[i], static_cast<float>(kLeastRho)));
   const double c = l.anchor_cos[i];
   const double s = l.anchor_sin[i];
   return {l.anchor_x[i] + h * (c * l.ax[i] - s * l.ay[i]),

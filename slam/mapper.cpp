@@ -168,10 +168,7 @@ void Mapper::estimate() {
 // How pose and landmarks depend on the calibration, and what the residuals tell of it.
 // Runs before the particles move, at the one that weighs most.
 void Mapper::learn_calibration(const Features& features) {
-  const auto n = static_cast<std::ptrdiff_t>(particles_.count);
-  const int best =
-      static_cast<int>(std::max_element(particles_.weight.begin(), particles_.weight.begin() + n) -
-                       particles_.weight.begin());
+  const int best = heaviest_particle();
   const Eigen::Matrix3d Q = motion_.covariance + 4e-10 * Eigen::Matrix3d::Identity();
   calibration_.begin_frame(Q.llt().solve(Eigen::Matrix3d::Identity()));
   const auto for_each_inlier = [&](auto&& visit) {
@@ -189,7 +186,7 @@ void Mapper::learn_calibration(const Features& features) {
   for_each_inlier([&](const Candidate& c, const Eigen::Vector2d& z, const ObservationModel&,
                       const SightSensitivity& D) {
     if (!c.promoted) return;
-    calibration_.add(z - c.m, c.G, D, c.own_trusted().inverse());
+    calibration_.add(c.anchor, z - c.m, c.G, D, c.own_trusted().inverse(), c.u);
   });
   PoseSensitivity gain = calibration_.pose_gain();
   if (!gain.allFinite()) return restart_calibration();
@@ -198,6 +195,11 @@ void Mapper::learn_calibration(const Features& features) {
   for_each_inlier(
       [&](const Candidate& c, const Eigen::Vector2d&, const ObservationModel& model,
           const SightSensitivity& D) { map_->by_calibration(c.slot) += model.gain * D; });
+}
+
+int Mapper::heaviest_particle() const {
+  const auto weight = particles_.weight.first(static_cast<std::size_t>(particles_.count));
+  return static_cast<int>(std::max_element(weight.begin(), weight.end()) - weight.begin());
 }
 
 // The calibration was learned a little better: poses move with it now, landmarks when next touched.
@@ -211,35 +213,41 @@ void Mapper::move_by_calibration(const CalibrationVector& step) {
 }
 
 void Mapper::weigh_and_move(const Features& features) {
-  const bool optimal = p_.optimal_proposal != 0;
-  const auto lever = lever_m().cast<float>().eval();
   if (jumped_) jump_particles();
-  proposal_.clear(particles_.count);
-  if (!optimal) {
-    draw_from_motion(particles_, std::exchange(undrawn_, {}).covariance, random_);
+  if (p_.optimal_proposal != 0) {
+    add_proposals(features);
+    if (!first_) draw_from_proposal(particles_, motion_.covariance, proposal_, random_);
+  } else {
+    draw_from_motion(particles_, motion_.covariance, random_);
     check_poses();
     place_cameras(particles_, lever_m());
+    add_likelihoods(features);
   }
-  for (const Candidate& c : candidates_[0]) {
-    if (!c.promoted || !c.inlier) continue;
-    const Feature& f = features[static_cast<std::size_t>(c.corner)];
-    const LandmarkRows rows = map_->rows(c.slot);
-    if (optimal) {
-      add_to_proposal(rows, particles_.camera, particles_.count, lever, f.zx, f.zy, c.noise,
-                      proposal_);
-    } else {
-      add_log_likelihood(rows, particles_.camera, particles_.count, f.zx, f.zy, c.noise,
-                         static_cast<float>(p_.likelihood_cap), particles_.log_weight.data());
-    }
-  }
-  if (optimal && !first_) {
-    draw_from_proposal(particles_, motion_.covariance, proposal_, random_);
-    undrawn_ = {};
-  }
+  undrawn_ = {};
   check_poses();
   if (jumped_) carry_recent_map();
   if (gliding_) glide();
   place_cameras(particles_, lever_m());
+}
+
+void Mapper::add_proposals(const Features& features) {
+  const auto lever = lever_m().cast<float>().eval();
+  proposal_.clear(particles_.count);
+  int anchor = -1;
+  bool shared = false;
+  for (const Candidate& c : candidates_[0]) {
+    if (!c.promoted || !c.inlier) continue;
+    if (c.anchor != anchor && std::exchange(shared, false)) {
+      marginalise_shared(particles_.count, proposal_);
+    }
+    anchor = c.anchor;
+    shared = shared || c.shared != 0.0;
+    const Feature& f = features[static_cast<std::size_t>(c.corner)];
+    add_to_proposal(map_->rows(c.slot), particles_.camera, particles_.count, lever,
+                    {f.zx, f.zy, c.noise, static_cast<float>(c.shared)}, static_cast<float>(c.rho),
+                    proposal_);
+  }
+  if (shared) marginalise_shared(particles_.count, proposal_);
 }
 
 void Mapper::carry_drift() {
@@ -273,6 +281,23 @@ Eigen::Matrix3d Mapper::landmark_covariance(const LandmarkInfo& l) const {
   const double scale_m = map_errors_.scale * (l.position_m().z() - robot_.mount.z_m);
   P(2, 2) += scale_m * scale_m;
   return P;
+}
+
+// The paper's proposal. A landmark's likelihood stands alone here: the common error of n landmarks
+// is added to each of them n times, so that they tell of it once.
+void Mapper::add_likelihoods(const Features& features) {
+  const auto counts = [](const Candidate& c) { return c.promoted && c.inlier; };
+  for (const Candidate& c : candidates_[0]) {
+    if (!counts(c)) continue;
+    const auto n = std::count_if(
+        candidates_[0].begin(), candidates_[0].end(),
+        [&](const Candidate& other) { return counts(other) && other.anchor == c.anchor; });
+    const double shared = c.shared * std::sqrt(static_cast<double>(n));
+    const Feature& f = features[static_cast<std::size_t>(c.corner)];
+    add_log_likelihood(map_->rows(c.slot), particles_.camera, particles_.count,
+                       {f.zx, f.zy, c.noise, static_cast<float>(shared)},
+                       static_cast<float>(p_.likelihood_cap), particles_.log_weight.data());
+  }
 }
 
 bool Mapper::resampling_due() const {

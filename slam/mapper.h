@@ -12,6 +12,7 @@
 #include "slam/counters.h"
 #include "slam/features.h"
 #include "slam/filter/calibration.h"
+#include "slam/filter/depth_prior.h"
 #include "slam/filter/drift.h"
 #include "slam/filter/motion.h"
 #include "slam/filter/noise_scale.h"
@@ -104,9 +105,9 @@ class Mapper {
   bool loop_closing() const { return loop_closing_; }
   // After the last frame of update().
   TrackingState tracking() const { return tracking_.state(); }
-  const MapperCounters& counters() const { return counters_; }
   // The last used frame showed too little of the map: the pose is the wheels' since the last other.
   bool blind() const { return blind_; }
+  const MapperCounters& counters() const { return counters_; }
   Eigen::Vector2d lever_m() const { return {robot_.mount.x_m, robot_.mount.y_m}; }
   const RobotConfig& robot() const { return robot_; }
   MotionNoise motion_noise() const;
@@ -119,10 +120,13 @@ class Mapper {
     return static_cast<float>(noise_scale_.kappa()) * noise_ * (1.0F + r2) * std::sqrt(1.0F + r2);
   }
 
+  static constexpr int kLeastSeen = 3;
   static constexpr double kDegree = std::numbers::pi / 180.0;
 
   void predict_candidates(const FeatureExtractor& view);
   bool predict_candidate(int slot, const FeatureExtractor& view, Candidate& out);
+  void relate_to_pose();
+  void note_shared(const LandmarkRows& rows, Candidate& c) const;
   void match_tentative(const Features& features);
   void associate(const Features& features, const FeatureExtractor& view);
   bool close_loop(const Features& features, const FeatureExtractor& view,
@@ -173,15 +177,16 @@ class Mapper {
   bool refresh_place(int slot);  // false: the landmark had to be dropped
   void check_map();
   void weigh_and_move(const Features& features);
-  bool near_candidate(const Feature& f) const;
-  void evict_one();
-  void evict_anchor();
-  Eigen::Matrix3d spread_in_body() const;
+  void add_proposals(const Features& features);
   void add_likelihoods(const Features& features);
   int heaviest_particle() const;
   static bool shows_corners(const Features& features);
   bool sees_map() const;
   void wait_for_landmarks();
+  bool near_candidate(const Feature& f) const;
+  void evict_one();
+  void evict_anchor();
+  Eigen::Matrix3d spread_in_body() const;
 
   RobotConfig robot_;
   Parameters p_;
@@ -189,7 +194,9 @@ class Mapper {
   Random random_{0};
   double pixel_ = 0.0;  // of the level image, in tangents
   float noise_ = 0.0F;  // variance of an observation at the image's centre, tangents squared
+  DepthPrior depth_prior_;
   Particles particles_;
+  int heaviest_ = 0;  // particle, as of the last prediction
   PoseEstimate pose_;
   Map own_map_;
   Map* map_ = &own_map_;  // or the map of the mapper that this one has joined

@@ -41,6 +41,7 @@ Eigen::Matrix3d Mapper::spread_in_body() const {
 void Mapper::predict_candidates(const FeatureExtractor& view) {
   Candidates& candidates = candidates_[0];
   candidates.clear();
+  heaviest_ = heaviest_particle();
   const Pose2& pose = pose_.mean;
   const Eigen::Vector2d camera = pose * lever_m();
   const double reach = std::tan(0.5 * p_.rectified_fov_deg * kDegree) * std::numbers::sqrt2 + 0.3;
@@ -50,18 +51,36 @@ void Mapper::predict_candidates(const FeatureExtractor& view) {
     if (l.state == LandmarkState::kFree) continue;
     const double dx = static_cast<double>(l.x_m) - camera.x();
     const double dy = static_cast<double>(l.y_m) - camera.y();
-    const double r = reach / static_cast<double>(std::max(l.rho, 0.1F)) + 0.5;
+    const double r =
+        reach / static_cast<double>(std::max(l.rho, static_cast<float>(kLeastRho))) + 0.5;
     if (dx * dx + dy * dy > r * r) continue;
     Candidate c;
     if (!predict_candidate(static_cast<int>(slot), view, c)) continue;
     if (!candidates.push_back(c)) ++counters_.candidates_rejected_full;
   }
+  // Those of one anchor side by side.
+  std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
+    return a.anchor != b.anchor ? a.anchor < b.anchor : a.slot < b.slot;
+  });
+  relate_to_pose();
   // At the start, and in a place quite new, tentative landmarks must steer: across their parallax
   // they are as good as any.
   const auto known = std::count_if(candidates.begin(), candidates.end(),
                                    [](const Candidate& c) { return c.promoted && !c.old; });
   if (known >= kEnoughToSteer) return;
   for (Candidate& c : candidates) c.promoted = true;
+}
+
+void Mapper::relate_to_pose() {
+  const DepthSpread depths([this](auto&& visit) {
+    for (const Candidate& c : candidates_[0]) visit(c.rho, c.rho_variance);
+  });
+  const Eigen::Vector2d l = lever_m();
+  for (Candidate& c : candidates_[0]) {
+    c.rho = depths.expected(c.rho, c.rho_variance);
+    c.G << -c.rho, 0.0, c.m.y() + c.rho * l.y(), 0.0, -c.rho, -(c.m.x() + c.rho * l.x());
+    c.common += c.G * motion_.covariance * c.G.transpose();
+  }
 }
 
 bool Mapper::predict_candidate(int slot, const FeatureExtractor& view, Candidate& c) {
@@ -75,6 +94,7 @@ bool Mapper::predict_candidate(int slot, const FeatureExtractor& view, Candidate
   c.m = mean;
   const float noise = observation_noise(static_cast<float>(mean.squaredNorm()));
   c.stated_noise = noise;
+  c.anchor = info.anchor;
   c.own = prediction.own + static_cast<double>(noise) * Eigen::Matrix2d::Identity();
   // A distance is measured by its inverse.
   const double sums = mean.sum() + prediction.spread.sum() + rho;
@@ -85,15 +105,26 @@ bool Mapper::predict_candidate(int slot, const FeatureExtractor& view, Candidate
   c.promoted = info.state == LandmarkState::kPromoted;
   const double unseen_m = map_->way_m() - info.last_seen_way_m;
   c.old = unseen_m > p_.loop_travel_m;
-  const Eigen::Vector2d l = lever_m();
-  c.G << -rho, 0.0, mean.y() + rho * l.y(), 0.0, -rho, -(mean.x() + rho * l.x());
-  c.common = prediction.spread + c.G * motion_.covariance * c.G.transpose();
+  c.rho = rho;
+  c.common = prediction.spread;
   if (c.old) {
     const double drift = p_.loop_drift * unseen_m * rho;
     c.common += drift * drift * Eigen::Matrix2d::Identity();
   }
+  note_shared(rows, c);
   c.well_inside = view.sees(mean, kWellInside_px);
   return view.sees(mean, 8);
+}
+
+// Of the particle that weighs most, for all of them.
+void Mapper::note_shared(const LandmarkRows& rows, Candidate& c) const {
+  const int i = heaviest_;
+  c.rho_variance = static_cast<double>(rows.prr[i]);
+  if (depth_prior_.is_settled(static_cast<double>(rows.rho[i]), static_cast<double>(rows.prr[i]))) {
+    return;
+  }
+  c.shared = depth_prior_.shared;
+  c.u = c.shared * depth_covariance(rows, particles_.camera, i);
 }
 
 // Recent promoted landmarks fix the pose; then, with the pose known, everything else is matched:
@@ -181,6 +212,7 @@ void Mapper::learn_noise(const Features& features) {
   const double kappa_1 = noise_scale_.kappa_1();
   for (const Candidate& c : candidates_[0]) {
     if (!is_kind(c, CandidateKind::kPromotedRecent) || c.corner < 0) continue;
+    if (c.shared != 0.0) continue;  // its innovation is that of a prior
     LandmarkInfo& l = map_->info(c.slot);
     const Feature& f = features[static_cast<std::size_t>(c.corner)];
     const double stated = static_cast<double>(c.stated_noise);

@@ -154,10 +154,8 @@ void Mapper::start_landmarks(const Features& features) {
   map_->anchor_drift(anchor) = drift_.placed();
   anchor_travel_m_ = travelled_m_;
   anchor_heading_rad_ = pose_.mean.theta_rad;
-  const double lo = 1.0 / std::max(p_.max_height_m - robot_.mount.z_m, 0.3);
-  const double hi = 1.0 / std::max(p_.min_height_m - robot_.mount.z_m, 0.3);
-  const auto rho_mean = static_cast<float>(std::sqrt(lo * hi));
-  const auto rho_sigma = static_cast<float>(0.25 * (hi - lo));
+  const auto rho_mean = static_cast<float>(depth_prior_.mean);
+  const auto rho_sigma = static_cast<float>(depth_prior_.sigma);
   for (std::size_t k = 0; k < features.size(); ++k) {
     const Feature& f = features[k];
     if (corner_used_[k] || !f.described || near_candidate(f)) continue;

@@ -97,23 +97,49 @@ void CalibrationEstimator::begin_frame(const Eigen::Matrix3d& motion_information
   xx_ = motion_information;
   b_.setZero();
   x_.setZero();
+  anchor_ = -1;
+  shared_b_.setZero();
+  shared_x_.setZero();
+  shared_ = shared_residual_ = 0.0;
 }
 
-void CalibrationEstimator::add(const Eigen::Vector2d& residual,
+void CalibrationEstimator::add(int anchor, const Eigen::Vector2d& residual,
                                const Eigen::Matrix<double, 2, 3>& G, const SightSensitivity& D,
-                               const Eigen::Matrix2d& weight) {
+                               const Eigen::Matrix2d& weight, const Eigen::Vector2d& u) {
+  if (anchor != anchor_) marginalise_shared();
+  anchor_ = anchor;
   bb_ += D.transpose() * weight * D;
   bx_ += D.transpose() * weight * G;
   xx_ += G.transpose() * weight * G;
   b_ += D.transpose() * weight * residual;
   x_ += G.transpose() * weight * residual;
+  const Eigen::Vector2d Wu = weight * u;
+  shared_b_ += D.transpose() * Wu;
+  shared_x_ += G.transpose() * Wu;
+  shared_ += Wu.dot(u);
+  shared_residual_ += Wu.dot(residual);
 }
 
-PoseSensitivity CalibrationEstimator::pose_gain() const {
+void CalibrationEstimator::marginalise_shared() {
+  const double variance = 1.0 / (1.0 + shared_);
+  bb_ -= variance * shared_b_ * shared_b_.transpose();
+  bx_ -= variance * shared_b_ * shared_x_.transpose();
+  xx_ -= variance * shared_x_ * shared_x_.transpose();
+  b_ -= variance * shared_residual_ * shared_b_;
+  x_ -= variance * shared_residual_ * shared_x_;
+  anchor_ = -1;
+  shared_b_.setZero();
+  shared_x_.setZero();
+  shared_ = shared_residual_ = 0.0;
+}
+
+PoseSensitivity CalibrationEstimator::pose_gain() {
+  marginalise_shared();
   return xx_.llt().solve(bx_.transpose());
 }
 
 CalibrationVector CalibrationEstimator::end_frame() {
+  marginalise_shared();
   const Eigen::LLT<Eigen::Matrix3d> llt(xx_);
   const CalibrationMatrix told = bb_ - bx_ * llt.solve(bx_.transpose());
   const CalibrationVector right = b_ - bx_ * llt.solve(x_);

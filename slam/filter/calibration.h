@@ -79,11 +79,12 @@ class CalibrationEstimator {
   void restart();
 
   void begin_frame(const Eigen::Matrix3d& motion_information);
-  // One inlier: residual, its sensitivity to pose (body axes) and to beta, and its weight S^-1.
-  void add(const Eigen::Vector2d& residual, const Eigen::Matrix<double, 2, 3>& G,
-           const SightSensitivity& D, const Eigen::Matrix2d& weight);
-  // How the frame's pose correction (body axes) depends on beta.
-  PoseSensitivity pose_gain() const;
+  // One inlier: residual, its sensitivity to pose (body axes) and to beta, its weight S^-1, and the
+  // error that it shares with its anchor's others (depth_prior.h), which are added side by side.
+  void add(int anchor, const Eigen::Vector2d& residual, const Eigen::Matrix<double, 2, 3>& G,
+           const SightSensitivity& D, const Eigen::Matrix2d& weight, const Eigen::Vector2d& u);
+  // All inliers were added. How the frame's pose correction (body axes) depends on beta.
+  PoseSensitivity pose_gain();
   // The frame's verdict: the step by which beta changed.
   CalibrationVector end_frame();
 
@@ -103,6 +104,13 @@ class CalibrationEstimator {
   Eigen::Matrix3d xx_ = Eigen::Matrix3d::Identity();
   CalibrationVector b_ = CalibrationVector::Zero();
   Eigen::Vector3d x_ = Eigen::Vector3d::Zero();
+  // Of one anchor: its landmarks' common error against all of these.
+  void marginalise_shared();
+  int anchor_ = -1;
+  CalibrationVector shared_b_ = CalibrationVector::Zero();
+  Eigen::Vector3d shared_x_ = Eigen::Vector3d::Zero();
+  double shared_ = 0.0;
+  double shared_residual_ = 0.0;
 };
 
 }  // namespace zenith

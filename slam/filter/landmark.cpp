@@ -1,13 +1,6 @@
 #include "slam/filter/landmark.h"
 
 namespace zenith {
-namespace {
-
-// Least inverse height that is turned into metres: 20 m above the camera.
-constexpr double kMinRho = 0.05;
-
-}  // namespace
-
 LandmarkRows landmark_rows(LandmarkRowStore& landmarks, int slot, AnchorRowStore& anchors,
                            int anchor) {
   return {landmarks.row(slot, 0), landmarks.row(slot, 1), landmarks.row(slot, 2),
@@ -34,14 +27,27 @@ LandmarkPrediction predict_landmark(const LandmarkRows& l, const CameraRows& cam
   return out;
 }
 
+Eigen::Vector2d depth_covariance(const LandmarkRows& l, const CameraRows& camera, int i) {
+  const double c = l.anchor_cos[i] * camera.cos[i] + l.anchor_sin[i] * camera.sin[i];
+  const double s = l.anchor_sin[i] * camera.cos[i] - l.anchor_cos[i] * camera.sin[i];
+  const double dx = l.anchor_x[i] - camera.x[i];
+  const double dy = l.anchor_y[i] - camera.y[i];
+  const double bx = camera.cos[i] * dx + camera.sin[i] * dy;
+  const double by = camera.cos[i] * dy - camera.sin[i] * dx;
+  const double pxr = l.pxr[i];
+  const double pyr = l.pyr[i];
+  const double prr = l.prr[i];
+  return {pxr * c - pyr * s + prr * bx, pxr * s + pyr * c + prr * by};
+}
+
 void update_landmark(const LandmarkRows& l, const CameraRows& camera, int particles, float zx,
                      float zy, float noise) {
   rows_in_use().update(l, camera, particles, {zx, zy, noise});
 }
 
-void add_log_likelihood(const LandmarkRows& l, const CameraRows& camera, int particles, float zx,
-                        float zy, float noise, float cap, double* log_likelihood) {
-  rows_in_use().add_log_likelihood(l, camera, particles, {zx, zy, noise}, cap, log_likelihood);
+void add_log_likelihood(const LandmarkRows& l, const CameraRows& camera, int particles,
+                        const Sight& sight, float cap, double* log_likelihood) {
+  rows_in_use().add_log_likelihood(l, camera, particles, sight, cap, log_likelihood);
 }
 
 void start_landmark(const LandmarkRows& l, int particles, float zx, float zy, float noise,
@@ -61,7 +67,7 @@ void start_landmark(const LandmarkRows& l, int particles, float zx, float zy, fl
 
 LandmarkPlace place_landmark(const LandmarkRows& l, const double* weight, int particles,
                              double camera_z_m) {
-  const PlaceSums s = rows_in_use().place_sums(l, weight, particles, kMinRho);
+  const PlaceSums s = rows_in_use().place_sums(l, weight, particles, kLeastRho);
   LandmarkPlace place;
   const Eigen::Vector3d d(s.mean[0], s.mean[1], s.mean[2]);
   place.covariance_m2 << s.second[0], s.second[1], s.second[2], s.second[1], s.second[3],

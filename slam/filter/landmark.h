@@ -23,6 +23,9 @@
 
 namespace zenith {
 
+// Least inverse height that is turned into metres: 100 m above the camera.
+inline constexpr double kLeastRho = 0.01;
+
 inline constexpr int kLandmarkRows = 9;  // ax ay rho | Pxx Pxy Pxr Pyy Pyr Prr
 inline constexpr int kAnchorRows = 4;    // x y cos sin
 
@@ -46,14 +49,18 @@ struct LandmarkPrediction {
 LandmarkPrediction predict_landmark(const LandmarkRows& landmark, const CameraRows& camera,
                                     const double* weight, int particles);
 
+// (P H^T)_rho of one particle: how the predicted m and rho vary together.
+Eigen::Vector2d depth_covariance(const LandmarkRows& landmark, const CameraRows& camera,
+                                 int particle);
+
 // The Kalman update with observation (zx, zy) of variance `noise` on each axis.
 void update_landmark(const LandmarkRows& landmark, const CameraRows& camera, int particles,
                      float zx, float zy, float noise);
 
 // log N(z; m, S) summed into log_likelihood, each landmark's squared Mahalanobis distance capped:
-// a wrong match then costs every particle the same at most.
+// a wrong match then costs every particle the same at most. S holds what `sight` shares.
 void add_log_likelihood(const LandmarkRows& landmark, const CameraRows& camera, int particles,
-                        float zx, float zy, float noise, float cap, double* log_likelihood);
+                        const Sight& sight, float cap, double* log_likelihood);
 
 // The start: seen at (zx, zy) with variance `noise`, nothing known of the height but
 // rho ~ N(rho_mean, rho_sigma^2).

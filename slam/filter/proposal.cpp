@@ -47,10 +47,14 @@ void ProposalRows::clear(int particles) {
 }
 
 void add_to_proposal(const LandmarkRows& landmark, const CameraRows& camera, int particles,
-                     const Eigen::Vector2f& lever_m, float zx, float zy, float noise,
+                     const Eigen::Vector2f& lever_m, const Sight& sight, float rho,
                      const ProposalRows& rows) {
-  rows_in_use().add_to_proposal(landmark, camera, particles, lever_m.x(), lever_m.y(),
-                                {zx, zy, noise}, rows.row);
+  rows_in_use().add_to_proposal(landmark, camera, particles, lever_m.x(), lever_m.y(), sight, rho,
+                                rows.row);
+}
+
+void marginalise_shared(int particles, const ProposalRows& rows) {
+  rows_in_use().marginalise_shared(particles, rows.row);
 }
 
 void draw_from_proposal(Particles& particles, const Eigen::Matrix3d& covariance,

@@ -27,16 +27,21 @@ void draw_from_motion(Particles& particles, const Eigen::Matrix3d& covariance, R
 
 // Accumulators of `optimal`, rows over the particles.
 struct ProposalRows {
-  static constexpr int kRows = 11;  // Lambda (6), eta (3), sum nu^T S^-1 nu, sum log|S|
+  // Lambda (6), eta (3), sum nu^T S^-1 nu, sum log|S|; of one anchor sum G^T S^-1 u (3),
+  // sum u^T S^-1 u, sum u^T S^-1 nu.
+  static constexpr int kRows = 16;
   float* row[kRows] = {};
   void layout(Arena& arena, int particles);
   void clear(int particles);
 };
 
-// Adds one matched landmark; particles stand at the odometry's pose.
+// Adds one matched landmark; particles stand at the odometry's pose. With `shared` it has an error
+// in common with the others of its anchor (depth_prior.h): they are added one after another, and
+// then marginalise_shared() is called, before another anchor's. G is made with `rho`.
 void add_to_proposal(const LandmarkRows& landmark, const CameraRows& camera, int particles,
-                     const Eigen::Vector2f& lever_m, float zx, float zy, float noise,
+                     const Eigen::Vector2f& lever_m, const Sight& sight, float rho,
                      const ProposalRows& rows);
+void marginalise_shared(int particles, const ProposalRows& rows);
 
 // Draws the poses and adds the weights; the covariance is the motion's.
 void draw_from_proposal(Particles& particles, const Eigen::Matrix3d& covariance,

@@ -19,9 +19,57 @@ double squared_distance(const Eigen::Vector2d& d, const Eigen::Matrix2d& S) {
   return d.dot(S.inverse() * d);
 }
 
+// Of a corner from where a candidate may be with any depth that it may have.
+Eigen::Vector2d off_depth(const Candidate& c, const Eigen::Vector2d& d) {
+  const double length2 = c.u.squaredNorm();
+  if (length2 == 0.0) return d;
+  return d - std::clamp(d.dot(c.u) / length2, -1.0, 1.0) * c.u;
+}
+
 Eigen::Vector2d residual(const Candidate& c, const Feature& f, const Eigen::Vector3d& xi) {
   return Eigen::Vector2d(f.zx, f.zy) - c.m - c.G * xi;
 }
+
+// The information of matches about xi.
+class NormalEquations {
+ public:
+  explicit NormalEquations(const Eigen::Matrix3d& prior) : lambda_(prior) {}
+
+  // `residual` at xi = 0.
+  void add(const Candidate& c, const Eigen::Vector2d& residual, double weight = 1.0) {
+    if (c.anchor != anchor_) marginalise();
+    anchor_ = c.anchor;
+    const Eigen::Matrix2d W = weight * c.own.inverse();
+    lambda_ += c.G.transpose() * W * c.G;
+    eta_ += c.G.transpose() * W * residual;
+    if (c.shared == 0.0) return;
+    const Eigen::Vector2d Wu = W * c.u;
+    shared_xi_ += c.G.transpose() * Wu;
+    shared_ += Wu.dot(c.u);
+    shared_residual_ += Wu.dot(residual);
+  }
+  Eigen::LLT<Eigen::Matrix3d> solve(Eigen::Vector3d& xi) {
+    marginalise();
+    const Eigen::LLT<Eigen::Matrix3d> llt(lambda_);
+    xi = llt.solve(eta_);
+    return llt;
+  }
+
+ private:
+  void marginalise() {
+    lambda_ -= shared_xi_ * shared_xi_.transpose() / (1.0 + shared_);
+    eta_ -= shared_xi_ * (shared_residual_ / (1.0 + shared_));
+    shared_xi_.setZero();
+    shared_ = shared_residual_ = 0.0;
+  }
+
+  Eigen::Matrix3d lambda_;
+  Eigen::Vector3d eta_ = Eigen::Vector3d::Zero();
+  int anchor_ = -1;
+  Eigen::Vector3d shared_xi_ = Eigen::Vector3d::Zero();  // sum G^T W u, of anchor_
+  double shared_ = 0.0;                                  // sum u^T W u
+  double shared_residual_ = 0.0;                         // sum u^T W residual
+};
 
 int mark_inliers(std::span<Candidate> candidates, CandidateKind kind,
                  std::span<const Feature> features, const PoseCorrection& correction,
@@ -67,7 +115,7 @@ void Associator::match(std::span<Candidate> candidates, CandidateKind kind,
       const Feature& f = features[k];
       if (corner_used[k] || !f.described) continue;
       const Eigen::Vector2d d(f.zx - centre.x(), f.zy - centre.y());
-      const double r2 = d.squaredNorm();
+      const double r2 = off_depth(c, d).squaredNorm();
       if (r2 > settings.max_radius * settings.max_radius) continue;
       if (r2 > settings.min_radius * settings.min_radius && d.dot(W * d) > gate2) continue;
       const auto direction =
@@ -104,19 +152,17 @@ PoseCorrection agree_on_pose(std::span<Candidate> candidates, CandidateKind kind
   PoseCorrection out;
   out.xi = start;
   for (int iteration = 0; iteration < 10; ++iteration) {
-    Eigen::Matrix3d lambda = information;
-    Eigen::Vector3d eta = Eigen::Vector3d::Zero();
+    NormalEquations equations(information);
     for (const Candidate& c : candidates) {
       if (!is_kind(c, kind) || c.corner < 0) continue;
       const Feature& f = features[static_cast<std::size_t>(c.corner)];
-      const Eigen::Matrix2d W = c.own.inverse();
       const Eigen::Vector2d d = residual(c, f, out.xi);
-      const double weight = 1.0 / (1.0 + d.dot(W * d) / (kCauchyScale * kCauchyScale));
-      lambda += weight * c.G.transpose() * W * c.G;
-      eta += weight * c.G.transpose() * W * (d + c.G * out.xi);
+      const double weight =
+          1.0 / (1.0 + squared_distance(d, c.own) / (kCauchyScale * kCauchyScale));
+      equations.add(c, d + c.G * out.xi, weight);
     }
-    const Eigen::LLT<Eigen::Matrix3d> llt(lambda);
-    const Eigen::Vector3d next = llt.solve(eta);
+    Eigen::Vector3d next;
+    const auto llt = equations.solve(next);
     const double change = (next - out.xi).norm();
     out.xi = next;
     out.covariance = llt.solve(Eigen::Matrix3d::Identity());

@@ -25,7 +25,13 @@ struct Candidate {
   Eigen::Matrix2d own = Eigen::Matrix2d::Zero();     // S: landmark and measurement noise
   Eigen::Matrix2d common = Eigen::Matrix2d::Zero();  // spread of the particles, odometry, drift
   Eigen::Matrix<double, 2, 3> G = Eigen::Matrix<double, 2, 3>::Zero();  // by (forward, left, turn)
-  int corner = -1;                                                      // the match
+  // The common error of the anchor's landmarks (slam/filter/depth_prior.h); 0: settled.
+  int anchor = -1;
+  double rho = 0.0;  // with which G is made
+  double rho_variance = 0.0;
+  double shared = 0.0;
+  Eigen::Vector2d u = Eigen::Vector2d::Zero();
+  int corner = -1;  // the match
   float ncc = 0.0F;
   bool inlier = false;
   double misfit = 0.0;  // of an inlier: squared distance from its prediction, per axis, in sigmas
@@ -75,7 +81,8 @@ class Associator {
 
 // The pose correction on which the matches of `kind` agree: maximum a posteriori under the prior
 // N(0, prior), matches weighted by Cauchy's function of their Mahalanobis distance (iteratively
-// reweighted least squares, started at `start`). Marks the inliers.
+// reweighted least squares, started at `start`), with the common error of each anchor's landmarks
+// marginalised: those of one anchor must be neighbours. Marks the inliers.
 PoseCorrection agree_on_pose(std::span<Candidate> candidates, CandidateKind kind,
                              std::span<const Feature> features, const Eigen::Matrix3d& prior,
                              const Eigen::Vector3d& start, double gate_sigma);

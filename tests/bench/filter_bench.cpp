@@ -90,8 +90,8 @@ void add_to_proposal_50(benchmark::State& state) {
     rig.proposal().clear(kParticles);
     for (int i = 0; i < kVisible; ++i) {
       const Eigen::Vector2f z = rig.seen(i);
-      add_to_proposal(rig.map().rows(i), rig.particles().camera, kParticles, {0.06F, -0.02F}, z.x(),
-                      z.y(), kNoise, rig.proposal());
+      add_to_proposal(rig.map().rows(i), rig.particles().camera, kParticles, {0.06F, -0.02F},
+                      {z.x(), z.y(), kNoise}, 0.4F, rig.proposal());
     }
     benchmark::ClobberMemory();
   }
@@ -103,8 +103,8 @@ void add_log_likelihood_50(benchmark::State& state) {
   for (auto _ : state) {
     for (int i = 0; i < kVisible; ++i) {
       const Eigen::Vector2f z = rig.seen(i);
-      add_log_likelihood(rig.map().rows(i), rig.particles().camera, kParticles, z.x(), z.y(),
-                         kNoise, 9.0F, rig.particles().log_weight.data());
+      add_log_likelihood(rig.map().rows(i), rig.particles().camera, kParticles,
+                         {z.x(), z.y(), kNoise}, 9.0F, rig.particles().log_weight.data());
     }
     benchmark::ClobberMemory();
   }

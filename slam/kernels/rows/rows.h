@@ -53,11 +53,13 @@ struct PredictionRows {
   float* syy = nullptr;
 };
 
-// A landmark's observation z with its variance on each axis.
+// A landmark's observation z with its variance on each axis, and how much it has in common with
+// others: u = shared * (P H^T)_rho, in the units of z (slam/filter/depth_prior.h).
 struct Sight {
   float zx = 0.0F;
   float zy = 0.0F;
   float noise = 0.0F;
+  float shared = 0.0F;
 };
 
 // Weighted sums of a prediction over the particles.
@@ -84,12 +86,16 @@ struct RowTable {
                                  const double* weight, int particles);
   void (*update)(const LandmarkRows& landmark, const CameraRows& camera, int particles,
                  const Sight& sight);
-  // log_likelihood -= (min(d^2, cap) + log det S) / 2; as long as a padded row.
+  // log_likelihood -= (min(d^2, cap) + log det S) / 2, S with u u^T; as long as a padded row.
   void (*add_log_likelihood)(const LandmarkRows& landmark, const CameraRows& camera, int particles,
                              const Sight& sight, float cap, double* log_likelihood);
-  // Adds one landmark to the eleven rows of the proposal.
+  // Adds one landmark, with G of `rho`, to the eleven rows of the proposal, and, unless `shared` is
+  // 0, to the five that follow: sum G^T S^-1 u (3), u^T S^-1 u, u^T S^-1 nu.
   void (*add_to_proposal)(const LandmarkRows& landmark, const CameraRows& camera, int particles,
-                          float lever_x_m, float lever_y_m, const Sight& sight, float* const* rows);
+                          float lever_x_m, float lever_y_m, const Sight& sight, float rho,
+                          float* const* rows);
+  // Marginalises what landmarks shared: the five rows go into the eleven, and are zero again.
+  void (*marginalise_shared)(int particles, float* const* rows);
   // rho below `min_rho` counts as that; heights are above the camera.
   PlaceSums (*place_sums)(const LandmarkRows& landmark, const double* weight, int particles,
                           double min_rho);

@@ -76,6 +76,14 @@ ZENITH_INLINE Symmetric2<F> with_noise(const Symmetric2<F>& s, const Sight& sigh
   return {s.xx + sight.noise, s.xy, s.yy + sight.noise};
 }
 
+template <typename F>
+ZENITH_INLINE Symmetric2<F> with_shared(const Symmetric2<F>& s, const Gain<F>& g,
+                                        const Sight& sight) {
+  const F ux = sight.shared * g.r0;
+  const F uy = sight.shared * g.r1;
+  return {s.xx + ux * ux, s.xy + ux * uy, s.yy + uy * uy};
+}
+
 // See row_log().
 template <int N>
 ZENITH_INLINE Floats<N> log_of(const Floats<N>& given) {
@@ -162,7 +170,8 @@ struct RowKernels {
     for (int i = 0; i < particles; i += kLanes) {
       const Landmark<kLanes> l(rows, i);
       const auto v = view(rows, l, camera, i);
-      const auto s = with_noise(innovation(covariance_times_h(l, v), v), sight);
+      const auto g = covariance_times_h(l, v);
+      const auto s = with_shared(with_noise(innovation(g, v), sight), g, sight);
       const F det = s.xx * s.yy - s.xy * s.xy;
       const F nx = sight.zx - v.mx;
       const F ny = sight.zy - v.my;
@@ -181,35 +190,71 @@ struct RowKernels {
   }
 
   static void add_to_proposal(const LandmarkRows& rows, const CameraRows& camera, int particles,
-                              float lever_x_m, float lever_y_m, const Sight& sight,
+                              float lever_x_m, float lever_y_m, const Sight& sight, float rho,
                               float* const* out) {
     for (int i = 0; i < particles; i += kLanes) {
       const Landmark<kLanes> l(rows, i);
       const auto v = view(rows, l, camera, i);
-      const auto s = with_noise(innovation(covariance_times_h(l, v), v), sight);
+      const auto g = covariance_times_h(l, v);
+      const auto s = with_noise(innovation(g, v), sight);
       const F det = s.xx * s.yy - s.xy * s.xy;
       const F wxx = s.yy / det;
       const F wxy = -s.xy / det;
       const F wyy = s.xx / det;
-      const F gx = v.my + l.rho * lever_y_m;
-      const F gy = -(v.mx + l.rho * lever_x_m);
+      const F gx = v.my + rho * lever_y_m;
+      const F gy = -(v.mx + rho * lever_x_m);
       const F nx = sight.zx - v.mx;
       const F ny = sight.zy - v.my;
       const F ex = wxx * nx + wxy * ny;
       const F ey = wxy * nx + wyy * ny;
       const F tx = wxx * gx + wxy * gy;
       const F ty = wxy * gx + wyy * gy;
-      add(out[0] + i, l.rho * l.rho * wxx);
-      add(out[1] + i, l.rho * l.rho * wxy);
-      subtract(out[2] + i, l.rho * tx);
-      add(out[3] + i, l.rho * l.rho * wyy);
-      subtract(out[4] + i, l.rho * ty);
+      add(out[0] + i, rho * rho * wxx);
+      add(out[1] + i, rho * rho * wxy);
+      subtract(out[2] + i, rho * tx);
+      add(out[3] + i, rho * rho * wyy);
+      subtract(out[4] + i, rho * ty);
       add(out[5] + i, gx * tx + gy * ty);
-      subtract(out[6] + i, l.rho * ex);
-      subtract(out[7] + i, l.rho * ey);
+      subtract(out[6] + i, rho * ex);
+      subtract(out[7] + i, rho * ey);
       add(out[8] + i, gx * ex + gy * ey);
       add(out[9] + i, nx * ex + ny * ey);
       add(out[10] + i, log_of<kLanes>(det));
+      if (sight.shared == 0.0F) continue;
+      const F ux = sight.shared * g.r0;
+      const F uy = sight.shared * g.r1;
+      const F qx = wxx * ux + wxy * uy;
+      const F qy = wxy * ux + wyy * uy;
+      subtract(out[11] + i, rho * qx);
+      subtract(out[12] + i, rho * qy);
+      add(out[13] + i, gx * qx + gy * qy);
+      add(out[14] + i, ux * qx + uy * qy);
+      add(out[15] + i, nx * qx + ny * qy);
+    }
+  }
+
+  static void marginalise_shared(int particles, float* const* rows) {
+    for (int i = 0; i < particles; i += kLanes) {
+      const F a = load<kLanes>(rows[11] + i);
+      const F b = load<kLanes>(rows[12] + i);
+      const F c = load<kLanes>(rows[13] + i);
+      const F information = 1.0F + load<kLanes>(rows[14] + i);
+      const F pa = a / information;
+      const F pb = b / information;
+      const F pc = c / information;
+      const F e = load<kLanes>(rows[15] + i);
+      subtract(rows[0] + i, a * pa);
+      subtract(rows[1] + i, a * pb);
+      subtract(rows[2] + i, a * pc);
+      subtract(rows[3] + i, b * pb);
+      subtract(rows[4] + i, b * pc);
+      subtract(rows[5] + i, c * pc);
+      subtract(rows[6] + i, pa * e);
+      subtract(rows[7] + i, pb * e);
+      subtract(rows[8] + i, pc * e);
+      subtract(rows[9] + i, e * e / information);
+      add(rows[10] + i, log_of<kLanes>(information));
+      for (int k = 11; k < 16; ++k) store<kLanes>(rows[k] + i, F{});
     }
   }
 
@@ -354,7 +399,14 @@ struct RowKernels {
   }
 
   static constexpr RowTable table(Isa isa) {
-    return {isa, predict, predict_sums, update, add_log_likelihood, add_to_proposal, place_sums};
+    return {isa,
+            predict,
+            predict_sums,
+            update,
+            add_log_likelihood,
+            add_to_proposal,
+            marginalise_shared,
+            place_sums};
   }
 };
 

@@ -87,6 +87,12 @@ Symmetric2 with_noise(const Symmetric2& s, const Sight& sight) {
   return {s.xx + sight.noise, s.xy, s.yy + sight.noise};
 }
 
+Symmetric2 with_shared(const Symmetric2& s, const Gain& g, const Sight& sight) {
+  const float ux = sight.shared * g.r0;
+  const float uy = sight.shared * g.r1;
+  return {s.xx + ux * ux, s.xy + ux * uy, s.yy + uy * uy};
+}
+
 void predict(const LandmarkRows& l, const CameraRows& camera, int particles,
              const PredictionRows& out) {
   for (int i = 0; i < particles; ++i) {
@@ -136,7 +142,8 @@ void add_log_likelihood(const LandmarkRows& l, const CameraRows& camera, int par
                         const Sight& sight, float cap, double* log_likelihood) {
   for (int i = 0; i < particles; ++i) {
     const View v = view(l, camera, i);
-    const Symmetric2 s = with_noise(innovation(covariance_times_h(l, v, i), v), sight);
+    const Gain g = covariance_times_h(l, v, i);
+    const Symmetric2 s = with_shared(with_noise(innovation(g, v), sight), g, sight);
     const float det = s.xx * s.yy - s.xy * s.xy;
     const float nx = sight.zx - v.mx;
     const float ny = sight.zy - v.my;
@@ -146,15 +153,16 @@ void add_log_likelihood(const LandmarkRows& l, const CameraRows& camera, int par
 }
 
 void add_to_proposal(const LandmarkRows& l, const CameraRows& camera, int particles,
-                     float lever_x_m, float lever_y_m, const Sight& sight, float* const* rows) {
+                     float lever_x_m, float lever_y_m, const Sight& sight, float rho,
+                     float* const* rows) {
   for (int i = 0; i < particles; ++i) {
     const View v = view(l, camera, i);
-    const Symmetric2 s = with_noise(innovation(covariance_times_h(l, v, i), v), sight);
+    const Gain g = covariance_times_h(l, v, i);
+    const Symmetric2 s = with_noise(innovation(g, v), sight);
     const float det = s.xx * s.yy - s.xy * s.xy;
     const float wxx = s.yy / det;
     const float wxy = -s.xy / det;
     const float wyy = s.xx / det;
-    const float rho = l.rho[i];
     const float gx = v.my + rho * lever_y_m;
     const float gy = -(v.mx + rho * lever_x_m);
     const float nx = sight.zx - v.mx;
@@ -174,6 +182,41 @@ void add_to_proposal(const LandmarkRows& l, const CameraRows& camera, int partic
     rows[8][i] += gx * ex + gy * ey;
     rows[9][i] += nx * ex + ny * ey;
     rows[10][i] += row_log(det);
+    if (sight.shared == 0.0F) continue;
+    const float ux = sight.shared * g.r0;
+    const float uy = sight.shared * g.r1;
+    const float qx = wxx * ux + wxy * uy;
+    const float qy = wxy * ux + wyy * uy;
+    rows[11][i] -= rho * qx;
+    rows[12][i] -= rho * qy;
+    rows[13][i] += gx * qx + gy * qy;
+    rows[14][i] += ux * qx + uy * qy;
+    rows[15][i] += nx * qx + ny * qy;
+  }
+}
+
+void marginalise_shared(int particles, float* const* rows) {
+  for (int i = 0; i < particles; ++i) {
+    const float a = rows[11][i];
+    const float b = rows[12][i];
+    const float c = rows[13][i];
+    const float information = 1.0F + rows[14][i];
+    const float pa = a / information;
+    const float pb = b / information;
+    const float pc = c / information;
+    const float e = rows[15][i];
+    rows[0][i] -= a * pa;
+    rows[1][i] -= a * pb;
+    rows[2][i] -= a * pc;
+    rows[3][i] -= b * pb;
+    rows[4][i] -= b * pc;
+    rows[5][i] -= c * pc;
+    rows[6][i] -= pa * e;
+    rows[7][i] -= pb * e;
+    rows[8][i] -= pc * e;
+    rows[9][i] -= e * e / information;
+    rows[10][i] += row_log(information);
+    for (int k = 11; k < 16; ++k) rows[k][i] = 0.0F;
   }
 }
 
@@ -282,7 +325,7 @@ PlaceSums place_sums(const LandmarkRows& l, const double* weight, int particles,
 
 }  // namespace
 
-const RowTable kRowsScalar = {Isa::kScalar,       predict,         predict_sums, update,
-                              add_log_likelihood, add_to_proposal, place_sums};
+const RowTable kRowsScalar = {Isa::kScalar,       predict,         predict_sums,       update,
+                              add_log_likelihood, add_to_proposal, marginalise_shared, place_sums};
 
 }  // namespace zenith

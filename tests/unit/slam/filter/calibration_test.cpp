@@ -192,8 +192,8 @@ TEST(Calibration, EstimatorFindsTheTruth) {
       G << -0.4, 0.0, z.y(), 0.0, -0.4, -z.x();
       const SightSensitivity D = -calibration_effect(z);
       const Eigen::Vector2d noise(random.normal(), random.normal());
-      estimator.add(D * (truth - estimator.beta()) + G * xi + std::sqrt(kNoise) * noise, G, D,
-                    weight);
+      estimator.add(0, D * (truth - estimator.beta()) + G * xi + std::sqrt(kNoise) * noise, G, D,
+                    weight, Eigen::Vector2d::Zero());
     }
     estimator.end_frame();
   }
@@ -223,7 +223,7 @@ TEST(Calibration, PoseGainSolvesTheNormalEquations) {
     G << -0.4, 0.0, z.y(), 0.0, -0.4, -z.x();
     const SightSensitivity D = -calibration_effect(z);
     const Eigen::Matrix2d W = Eigen::Vector2d(5e3, 8e3).asDiagonal();
-    estimator.add(Eigen::Vector2d::Zero(), G, D, W);
+    estimator.add(0, Eigen::Vector2d::Zero(), G, D, W, Eigen::Vector2d::Zero());
     xx += G.transpose() * W * G;
     xb += G.transpose() * W * D;
   }
@@ -239,8 +239,8 @@ TEST(Calibration, AStepThatIsNoNumberIsNotTaken) {
       const Eigen::Vector2d z(0.1 * (n % 7 - 3), 0.2 * (n % 5 - 2));
       Eigen::Matrix<double, 2, 3> G;
       G << -0.4, 0.0, z.y(), 0.0, -0.4, -z.x();
-      estimator.add(residual * Eigen::Vector2d(1.0 + z.x(), z.y()), G, -calibration_effect(z),
-                    1e4 * Eigen::Matrix2d::Identity());
+      estimator.add(0, residual * Eigen::Vector2d(1.0 + z.x(), z.y()), G, -calibration_effect(z),
+                    1e4 * Eigen::Matrix2d::Identity(), Eigen::Vector2d::Zero());
     }
     return estimator.end_frame();
   };

@@ -134,7 +134,7 @@ TEST(StackedUpdate, WeightsLearnWhatTheViewsHaveInCommon) {
   const auto log_likelihood = [&](std::size_t j) {
     std::vector<double> out(row_stride(kParticles), 0.0);
     const StackedObservation& o = scene.observers[j];
-    add_log_likelihood(sequential.rows(), o.camera, kParticles, o.zx, o.zy, o.noise, 1e9F,
+    add_log_likelihood(sequential.rows(), o.camera, kParticles, {o.zx, o.zy, o.noise}, 1e9F,
                        out.data());
     return out;
   };

@@ -262,9 +262,10 @@ TEST(Landmark, LikelihoodIsTheGaussiansWithACap) {
   std::vector<double> sum(row_stride(kParticles), 0.25);
   int capped = 0;
   const Eigen::Vector2d z = scene.H(0) * scene.landmark.get(0).x;
-  add_log_likelihood(scene.landmark.rows(), scene.camera.rows(), kParticles,
-                     static_cast<float>(z.x()), static_cast<float>(z.y()),
-                     static_cast<float>(kNoise), static_cast<float>(kCap), sum.data());
+  add_log_likelihood(
+      scene.landmark.rows(), scene.camera.rows(), kParticles,
+      {static_cast<float>(z.x()), static_cast<float>(z.y()), static_cast<float>(kNoise)},
+      static_cast<float>(kCap), sum.data());
   for (int i = 0; i < kParticles; ++i) {
     const LandmarkGaussian g = scene.landmark.get(i);
     const Eigen::Matrix2d S =

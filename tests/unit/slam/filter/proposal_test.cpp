@@ -14,6 +14,7 @@ namespace zenith {
 namespace {
 
 constexpr double kNoise = 1.2e-4;
+constexpr double kRho = 0.43;
 const Eigen::Vector2d kLever(0.12, -0.07);
 
 CameraPose camera_of(const Pose2& robot) {
@@ -59,12 +60,15 @@ struct Scene {
   std::vector<LandmarkRig> landmarks{kLandmarks, LandmarkRig(kParticles)};
   std::vector<Eigen::Vector2f> z;
 
-  explicit Scene(Random& random) {
+  // The landmarks have an error in common by `shared`.
+  explicit Scene(Random& random, float shared = 0.0F) {
     for (int i = 0; i < kParticles; ++i) {
       particles.set_pose(i, random_pose(random, 0.5));
       for (LandmarkRig& l : landmarks) {
         l.anchor.set(i, random_pose(random, 0.5));
-        l.set(i, random_landmark(random, 0.01, 0.03));
+        LandmarkGaussian g = random_landmark(random, 0.01, 0.03);
+        g.x.z() = kRho;
+        l.set(i, g);
       }
     }
     place_cameras(particles, kLever);
@@ -76,8 +80,10 @@ struct Scene {
     for (int k = 0; k < kLandmarks; ++k) {
       const auto i = static_cast<std::size_t>(k);
       add_to_proposal(landmarks[i].rows(), particles.camera, kParticles, kLever.cast<float>(),
-                      z[i].x(), z[i].y(), static_cast<float>(kNoise), rows);
+                      {z[i].x(), z[i].y(), static_cast<float>(kNoise), shared},
+                      static_cast<float>(kRho), rows);
     }
+    if (shared != 0.0F) marginalise_shared(kParticles, rows);
   }
   Sight sight(int k, int particle) const {
     const LandmarkRig& l = landmarks[static_cast<std::size_t>(k)];
@@ -118,11 +124,9 @@ TEST(Proposal, NormalEquationsAgreeWithNumericJacobians) {
 }
 
 // The weight is the likelihood of all residuals at once with the pose integrated out: a Gaussian of
-// 2k rows with covariance G Q G^T + diag(S).
-TEST(Proposal, WeightIsTheMarginalLikelihood) {
-  const TestSeed seed;
-  Random random(seed.value());
-  Scene scene(random);
+// 2k rows with covariance G Q G^T + diag(S) + u u^T, u what the landmarks have in common.
+void expect_marginal_likelihood(Random& random, double shared) {
+  Scene scene(random, static_cast<float>(shared));
   MotionIncrement motion;
   motion.covariance = Eigen::Vector3d(1e-4, 4e-5, 9e-5).asDiagonal();
   std::vector<Pose2> before;
@@ -137,17 +141,29 @@ TEST(Proposal, WeightIsTheMarginalLikelihood) {
     Eigen::Matrix<double, kRows, 3> G;
     Eigen::Matrix<double, kRows, kRows> S = Eigen::Matrix<double, kRows, kRows>::Zero();
     Eigen::Matrix<double, kRows, 1> nu;
+    Eigen::Matrix<double, kRows, 1> u;
     for (int k = 0; k < Scene::kLandmarks; ++k) {
       const Sight s = scene.sight(k, i);
       G.middleRows<2>(2 * k) = s.G(pose);
       S.block<2, 2>(2 * k, 2 * k) = s.S(pose);
       nu.segment<2>(2 * k) = s.z - s.m(pose);
+      u.segment<2>(2 * k) =
+          shared * depth_covariance(scene.landmarks[static_cast<std::size_t>(k)].rows(),
+                                    scene.particles.camera, i);
     }
-    S += G * motion.covariance * G.transpose();
+    S += u * u.transpose() + G * motion.covariance * G.transpose();
     const double expected = 0.5 - 0.5 * (nu.dot(S.inverse() * nu) + std::log(S.determinant()));
     const double got = scene.particles.log_weight[static_cast<std::size_t>(i)];
     ASSERT_NEAR(got, expected, 1e-3 * (1.0 + std::abs(expected))) << "particle " << i;
   }
+}
+
+TEST(Proposal, WeightIsTheMarginalLikelihood) {
+  const TestSeed seed;
+  Random random(seed.value());
+  expect_marginal_likelihood(random, 0.0);
+  expect_marginal_likelihood(random, 5.0);
+  expect_marginal_likelihood(random, 500.0);
 }
 
 // 20 000 particles in one pose with one landmark each: the drawn motions have mean Lambda^-1 eta
@@ -174,9 +190,10 @@ TEST(Proposal, DrawsFromThePosterior) {
   Sight s = {landmark.anchor.at(0), landmark.get(0), Eigen::Vector2d::Zero()};
   s.z = (s.m(pose) + Eigen::Vector2d(0.01, -0.015)).cast<float>().cast<double>();
   rows.clear(kSamples);
-  add_to_proposal(landmark.rows(), particles.camera, kSamples, kLever.cast<float>(),
-                  static_cast<float>(s.z.x()), static_cast<float>(s.z.y()),
-                  static_cast<float>(kNoise), rows);
+  add_to_proposal(
+      landmark.rows(), particles.camera, kSamples, kLever.cast<float>(),
+      {static_cast<float>(s.z.x()), static_cast<float>(s.z.y()), static_cast<float>(kNoise)},
+      static_cast<float>(g.x.z()), rows);
   MotionIncrement motion;
   motion.covariance = Eigen::Vector3d(1e-3, 4e-4, 1e-3).asDiagonal();
   const auto G = s.G(pose);

@@ -38,8 +38,8 @@ class Rows {
   }
   CameraRows camera() { return {row(13), row(14), row(15), row(16)}; }
   PredictionRows prediction() { return {row(17), row(18), row(19), row(20), row(21)}; }
-  std::array<float*, 11> proposal() {
-    std::array<float*, 11> out;
+  std::array<float*, 16> proposal() {
+    std::array<float*, 16> out;
     for (std::size_t r = 0; r < out.size(); ++r) out[r] = sums_[r].data() + 1;
     return out;
   }
@@ -105,12 +105,13 @@ class Rows {
 
   int particles_;
   std::array<std::vector<float>, 22> rows_;
-  std::array<std::vector<float>, 11> sums_;
+  std::array<std::vector<float>, 16> sums_;
   std::vector<double> weight_;
   std::vector<double> log_likelihood_;
 };
 
 constexpr Sight kSight = {0.1F, -0.2F, 1.2e-4F};
+constexpr Sight kShared = {0.1F, -0.2F, 1.2e-4F, 14.0F};
 
 TEST(RowKernels, EveryPathOfThisProcessorIsItsOwn) {
   for (const Isa isa : isas_here()) {
@@ -125,10 +126,13 @@ TEST(RowKernels, EveryPathGivesTheBitsOfTheSpecification) {
   Random random(seed.value());
   const auto run = [](const RowTable& table, Rows& rows, int n) {
     table.predict(rows.landmark(), rows.camera(), n, rows.prediction());
-    table.add_log_likelihood(rows.landmark(), rows.camera(), n, kSight, 9.0F,
+    table.add_log_likelihood(rows.landmark(), rows.camera(), n, kShared, 9.0F,
                              rows.log_likelihood());
-    table.add_to_proposal(rows.landmark(), rows.camera(), n, 0.06F, -0.02F, kSight,
-                          rows.proposal().data());
+    for (const Sight& sight : {kSight, kShared}) {
+      table.add_to_proposal(rows.landmark(), rows.camera(), n, 0.06F, -0.02F, sight, 0.4F,
+                            rows.proposal().data());
+    }
+    table.marginalise_shared(n, rows.proposal().data());
     table.update(rows.landmark(), rows.camera(), n, kSight);
   };
   for (int round = 0; round < 60; ++round) {
