@@ -143,6 +143,7 @@ class Mapper {
   void fetch_old_map();
   void refresh_moved(std::span<const std::int32_t> slots);
   Map::Piece recent_piece() const;
+  bool knows_scale() const;
   void believe_slip();
   void begin_anew();
   void refresh_in_turn();

@@ -20,6 +20,7 @@ constexpr int kEnoughToSteer = 15;
 const Eigen::Vector3d kSlip(0.02, 0.01, 2.0 * std::numbers::pi / 180.0);
 constexpr double kStraight = 0.3;        // rad/m
 constexpr double kSlipDistance2 = 20.0;  // chi squared, 3 degrees of freedom: 1 in 6000
+constexpr double kScaleKnown = 0.008;    // five times as well as ScaleWatch asks for
 constexpr double kDegrees = 4.0;         // of freedom, of a match's error as Student's t
 
 // Of a match from its prediction at the corrected pose, in squared sigmas.
@@ -162,7 +163,8 @@ void Mapper::associate(const Features& features, const FeatureExtractor& view) {
   if (correction_.inliers >= 8) {
     const double wheels_m = motion_.mean.x_m;
     const bool straight = std::abs(motion_.mean.theta_rad) < kStraight * std::abs(wheels_m);
-    scale_wrong_ = straight && scale_.note(wheels_m, wheels_m + correction_.xi.x());
+    scale_wrong_ =
+        straight && knows_scale() && scale_.note(wheels_m, wheels_m + correction_.xi.x());
     believe_slip();
   } else {
     scale_.reset();
@@ -229,6 +231,17 @@ void Mapper::learn_noise(const Features& features) {
     l.last_residual_frame = frames_used_;
   }
   if (noise_scale_.end_frame()) map_->set_noise(static_cast<float>(noise_scale_.kappa()));
+}
+
+// Whether the depths of this frame's landmarks are known well enough, and from parallax alone, to
+// contradict the wheels' distance: each tells it to sqrt(P) / rho.
+bool Mapper::knows_scale() const {
+  double information = 0.0;
+  for (const Candidate& c : candidates_[0]) {
+    if (!is_kind(c, CandidateKind::kPromotedRecent) || !c.inlier || c.shared != 0.0) continue;
+    information += c.rho * c.rho / c.rho_variance;
+  }
+  return information * kScaleKnown * kScaleKnown > 1.0;
 }
 
 // What the landmarks say of the motion, against what the wheels say: beyond doubt the wheels

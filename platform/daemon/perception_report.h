@@ -72,14 +72,13 @@ struct PerceptionReport {
   int corners_max = 0;  // the limit in force
   bool sheds = false;
   std::uint64_t frames_shed = 0;
-  std::uint64_t frames_unfit = 0;           // not as large as the lens says: not used
-  std::uint64_t frames_frozen = 0;          // old pictures under new stamps: not used
-  std::uint64_t wheels_late = 0;            // frames that did not get the wheels of their moment
-  std::uint64_t wheel_samples_dropped = 0;  // no frame came to use them
-  SetupVerdict verdict;                     // on camera, wheels and their clocks
-  bool repaired = false;                    // the filter had to repair its numbers
-  Time last_repair;                         // if so
-  PageFaults faults;                        // of the thread since the loop began
+  std::uint64_t frames_unfit = 0;   // not as large as the lens says: not used
+  std::uint64_t frames_frozen = 0;  // old pictures under new stamps: not used
+  std::uint64_t wheels_late = 0;    // frames that did not get the wheels of their moment
+  SetupVerdict verdict;             // on camera, wheels and their clocks
+  bool repaired = false;            // the filter had to repair its numbers
+  Time last_repair;                 // if so
+  PageFaults faults;                // of the thread since the loop began
 };
 
 // Takes over what a step told of its frame.

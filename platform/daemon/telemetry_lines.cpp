@@ -61,7 +61,6 @@ void write_can(JsonLine& line, const PerceptionReport& report) {
       .count("unpaired", w.unpaired)
       .count("error_reports", w.error_reports)
       .count("late_for_frame", report.wheels_late)
-      .count("dropped", report.wheel_samples_dropped)
       .end();
 }
 
@@ -87,6 +86,7 @@ void write_map(JsonLine& line, const StepCounters& steps) {
       .count("frames_held", m.frames_held)
       .count("times_lost", m.times_lost)
       .count("relocalised", m.relocalised)
+      .count("frames_blind", m.frames_blind)
       .count("begun_anew", m.begun_anew)
       .count("resamplings", m.resamplings)
       .end();

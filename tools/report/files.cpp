@@ -115,6 +115,7 @@ nlohmann::json counters_json(const StepCounters& c) {
           {"frames_held", c.mapper.frames_held},
           {"times_lost", c.mapper.times_lost},
           {"relocalised", c.mapper.relocalised},
+          {"frames_blind", c.mapper.frames_blind},
           {"begun_anew", c.mapper.begun_anew},
           {"loops_closed", c.mapper.loops_closed},
           {"resamplings", c.mapper.resamplings},

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/Cholesky>
 
+#include "platform/base/random.h"
 #include "tests/support/seeds.h"
 
 namespace zenith {
