@@ -190,7 +190,8 @@ void JointFilter::update_landmarks(std::span<const JointFrame> frames, Mapper& h
       const Sighting& s = sightings_[start + k];
       const JointFrame& frame = frames[static_cast<std::size_t>(s.frame)];
       const Feature& f = matched(frame, *s.candidate);
-      observers[k] = {mapper(frame.robot).particles().camera, f.zx, f.zy, s.candidate->noise};
+      const Eigen::Vector2f z = seen_at(*s.candidate, f);
+      observers[k] = {mapper(frame.robot).particles().camera, z.x(), z.y(), s.candidate->noise};
       steering = steering && s.candidate->promoted;
     }
     const LandmarkRows rows = host.map().rows(slot);

@@ -82,7 +82,8 @@ void Mapper::update(const MotionIncrement& moved, Features& features,
   for (const Candidate& c : candidates_[0]) {
     if (!c.inlier) continue;
     const Feature& f = features[static_cast<std::size_t>(c.corner)];
-    update_landmark(map_->rows(c.slot), particles_.camera, particles_.count, f.zx, f.zy, c.noise);
+    const Eigen::Vector2f z = seen_at(c, f);
+    update_landmark(map_->rows(c.slot), particles_.camera, particles_.count, z.x(), z.y(), c.noise);
     note(c, f);
   }
   keep();
@@ -175,7 +176,7 @@ void Mapper::learn_calibration(const Features& features) {
     for (const Candidate& c : candidates_[0]) {
       if (!c.inlier) continue;
       const Feature& f = features[static_cast<std::size_t>(c.corner)];
-      const Eigen::Vector2d z(f.zx, f.zy);
+      const Eigen::Vector2d z = seen_at(c, f).cast<double>();
       const ObservationModel model = linearise(map_->rows(c.slot), particles_.camera, best,
                                                lever_m(), static_cast<double>(c.noise));
       visit(c, z, model,
@@ -242,10 +243,10 @@ void Mapper::add_proposals(const Features& features) {
     }
     anchor = c.anchor;
     shared = shared || c.shared != 0.0;
-    const Feature& f = features[static_cast<std::size_t>(c.corner)];
+    const Eigen::Vector2f z = seen_at(c, features[static_cast<std::size_t>(c.corner)]);
     add_to_proposal(map_->rows(c.slot), particles_.camera, particles_.count, lever,
-                    {f.zx, f.zy, c.noise, static_cast<float>(c.shared)}, static_cast<float>(c.rho),
-                    proposal_);
+                    {z.x(), z.y(), c.noise, static_cast<float>(c.shared)},
+                    static_cast<float>(c.rho), proposal_);
   }
   if (shared) marginalise_shared(particles_.count, proposal_);
 }
@@ -293,9 +294,9 @@ void Mapper::add_likelihoods(const Features& features) {
         candidates_[0].begin(), candidates_[0].end(),
         [&](const Candidate& other) { return counts(other) && other.anchor == c.anchor; });
     const double shared = c.shared * std::sqrt(static_cast<double>(n));
-    const Feature& f = features[static_cast<std::size_t>(c.corner)];
+    const Eigen::Vector2f z = seen_at(c, features[static_cast<std::size_t>(c.corner)]);
     add_log_likelihood(map_->rows(c.slot), particles_.camera, particles_.count,
-                       {f.zx, f.zy, c.noise, static_cast<float>(shared)},
+                       {z.x(), z.y(), c.noise, static_cast<float>(shared)},
                        static_cast<float>(p_.likelihood_cap), particles_.log_weight.data());
   }
 }

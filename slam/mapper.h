@@ -147,6 +147,7 @@ class Mapper {
   void believe_slip();
   void begin_anew();
   void refresh_in_turn();
+  void locate_matches(CandidateKind kind, const Features& features);
   void trust_matches(const Features& features);
   void learn_noise(const Features& features);
   void carry_drift();

@@ -8,6 +8,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 
+#include "slam/image/patch_shift.h"
 #include "slam/mapper.h"
 
 namespace zenith {
@@ -16,6 +17,7 @@ namespace {
 constexpr int kWellInside_px = 24;
 constexpr double kSettledRadius_px = 2.5;
 constexpr int kEnoughToSteer = 15;
+constexpr float kLeastToLocate = 0.7F;  // NCC: below, two patches are too different to align
 // A wheel that slips between two frames: forward, left, turn.
 const Eigen::Vector3d kSlip(0.02, 0.01, 2.0 * std::numbers::pi / 180.0);
 constexpr double kStraight = 0.3;        // rad/m
@@ -25,7 +27,7 @@ constexpr double kDegrees = 4.0;         // of freedom, of a match's error as St
 
 // Of a match from its prediction at the corrected pose, in squared sigmas.
 double squared_distance(const Candidate& c, const Feature& f, const PoseCorrection& correction) {
-  const Eigen::Vector2d d = Eigen::Vector2d(f.zx, f.zy) - c.m - c.G * correction.xi;
+  const Eigen::Vector2d d = seen_at(c, f).cast<double>() - c.m - c.G * correction.xi;
   const Eigen::Matrix2d S = c.own + c.G * correction.covariance * c.G.transpose();
   return d.dot(S.inverse() * d);
 }
@@ -156,6 +158,7 @@ void Mapper::associate(const Features& features, const FeatureExtractor& view) {
     settled.max_radius = kSettledRadius_px * pixel_ * noise_scale_.sigma_factor();
     associator_.match(candidates, kPromotedRecent, correction_, 0.0, feats, *map_, heading, settled,
                       corner_used_);
+    locate_matches(kPromotedRecent, features);
     correction_ =
         agree_on_pose(candidates, kPromotedRecent, feats, prior, correction_.xi, p_.gate_sigma);
     check_correction();
@@ -185,10 +188,28 @@ void Mapper::match_tentative(const Features& features) {
   const auto feats = features.span();
   associator_.match(candidates, CandidateKind::kTentative, correction_, 1.0, feats, *map_,
                     pose_.mean.theta_rad, association_, corner_used_);
+  locate_matches(CandidateKind::kTentative, features);
   for (Candidate& c : candidates) {
     if (c.promoted || c.corner < 0) continue;
     const Feature& f = feats[static_cast<std::size_t>(c.corner)];
     c.inlier = squared_distance(c, f, correction_) < p_.gate_sigma * p_.gate_sigma;
+  }
+}
+
+// A detector's peak slides along edges and where two depths meet; what a landmark looks like lies
+// where it lay. The pose is measured by that.
+void Mapper::locate_matches(CandidateKind kind, const Features& features) {
+  for (Candidate& c : candidates_[0]) {
+    if (!is_kind(c, kind) || c.corner < 0) continue;
+    const Feature& f = features[static_cast<std::size_t>(c.corner)];
+    const auto orientation = static_cast<double>(f.orientation_rad);
+    const auto direction = static_cast<float>(wrap_angle(pose_.mean.theta_rad + orientation));
+    const Map::Look look = map_->best_look(c.slot, f.patch, direction, association_.max_turn_rad);
+    if (look.appearance == nullptr || look.ncc < kLeastToLocate) continue;
+    const auto shift = patch_shift(look.appearance->patch, f.patch);
+    if (!shift) continue;
+    c.shift_px = *shift + look.appearance->centre_px();
+    c.shift = static_cast<float>(pixel_) * (rotation(orientation).cast<float>() * c.shift_px);
   }
 }
 
@@ -218,7 +239,7 @@ void Mapper::learn_noise(const Features& features) {
     LandmarkInfo& l = map_->info(c.slot);
     const Feature& f = features[static_cast<std::size_t>(c.corner)];
     const double stated = static_cast<double>(c.stated_noise);
-    const Eigen::Vector2d e = Eigen::Vector2d(f.zx, f.zy) - c.m - c.G * correction_.xi;
+    const Eigen::Vector2d e = seen_at(c, f).cast<double>() - c.m - c.G * correction_.xi;
     const Eigen::Matrix2d S = c.own + c.G * correction_.covariance * c.G.transpose() -
                               stated * (1.0 - kappa_1 / kappa) * Eigen::Matrix2d::Identity();
     noise_scale_.add(e.dot(S.inverse() * e));

@@ -50,7 +50,7 @@ void Mapper::note(const Candidate& c, const Feature& f) {
       static_cast<float>(wrap_angle(pose_.mean.theta_rad + static_cast<double>(f.orientation_rad)));
   const float best = map_->best_ncc(c.slot, f.patch, direction, 4.0F);
   if (best < static_cast<float>(p_.ncc_new_appearance) &&
-      !map_->add_appearance(c.slot, f.patch, f.compact, direction)) {
+      !map_->add_appearance(c.slot, f.patch, f.compact, direction, c.shift_px)) {
     ++counters_.appearances_rejected_full;
   }
 }

@@ -27,7 +27,7 @@ Eigen::Vector2d off_depth(const Candidate& c, const Eigen::Vector2d& d) {
 }
 
 Eigen::Vector2d residual(const Candidate& c, const Feature& f, const Eigen::Vector3d& xi) {
-  return Eigen::Vector2d(f.zx, f.zy) - c.m - c.G * xi;
+  return seen_at(c, f).cast<double>() - c.m - c.G * xi;
 }
 
 // The information of matches about xi.
@@ -107,6 +107,8 @@ void Associator::match(std::span<Candidate> candidates, CandidateKind kind,
     if (!is_kind(c, kind)) continue;
     c.corner = -1;
     c.inlier = false;
+    c.shift.setZero();
+    c.shift_px.setZero();
     const Eigen::Vector2d centre = c.m + c.G * correction.xi;
     const Eigen::Matrix2d S =
         c.own + common_scale * c.common + c.G * correction.covariance * c.G.transpose();

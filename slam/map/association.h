@@ -31,6 +31,10 @@ struct Candidate {
   double rho_variance = 0.0;
   double shared = 0.0;
   Eigen::Vector2d u = Eigen::Vector2d::Zero();
+  // From the matched corner to the landmark's look in its patch (patch_shift.h): in the patch's
+  // axes, and in tangents.
+  Eigen::Vector2f shift_px = Eigen::Vector2f::Zero();
+  Eigen::Vector2f shift = Eigen::Vector2f::Zero();
   int corner = -1;  // the match
   float ncc = 0.0F;
   bool inlier = false;
@@ -43,6 +47,11 @@ struct Candidate {
 };
 
 using Candidates = FixedVector<Candidate, kMaxCandidates>;
+
+// Where a matched landmark is seen, in tangents.
+inline Eigen::Vector2f seen_at(const Candidate& c, const Feature& f) {
+  return Eigen::Vector2f(f.zx, f.zy) + c.shift;
+}
 
 struct AssociationSettings {
   double gate_sigma = 3.5;

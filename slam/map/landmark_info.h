@@ -1,6 +1,7 @@
 #pragma once
 // What the map knows of a landmark besides its rows of particles.
 
+#include <array>
 #include <cstdint>
 
 #include <Eigen/Core>
@@ -55,10 +56,20 @@ struct LandmarkInfo {
 
 // One look of a landmark, in a pool that all landmarks share.
 struct Appearance {
+  static constexpr float kCentreStep_px = 1.0F / 64.0F;
+
   Patch patch;
   CompactPatch compact;
+  // Where the landmark lies in the patch, from its centre, in steps: a look that was added later is
+  // of a corner that lay beside it.
+  std::array<std::int8_t, 2> centre = {};
   float direction_rad = 0.0F;  // of the patch's orientation in the own start frame
   std::int32_t next = -1;      // of the same landmark, or of the free list
+
+  Eigen::Vector2f centre_px() const {
+    return kCentreStep_px *
+           Eigen::Vector2f(static_cast<float>(centre[0]), static_cast<float>(centre[1]));
+  }
 };
 
 }  // namespace zenith

@@ -205,7 +205,7 @@ void Map::release_if_unused(int anchor) {
 }
 
 bool Map::add_appearance(int slot, const Patch& patch, const CompactPatch& compact,
-                         float direction_rad) {
+                         float direction_rad, const Eigen::Vector2f& centre_px) {
   LandmarkInfo& l = info(slot);
   const int kept = l.appearance_count == 0 ? 0 : kMaxLandmarks - size_;
   if (l.appearance_count == kMaxAppearances || appearances_free_ <= kept) return false;
@@ -213,7 +213,15 @@ bool Map::add_appearance(int slot, const Patch& patch, const CompactPatch& compa
   Appearance& a = pool_[static_cast<std::size_t>(i)];
   free_appearance_ = a.next;
   --appearances_free_;
-  a = {patch, compact, direction_rad, l.first_appearance};
+  const auto step = [](float px) {
+    return static_cast<std::int8_t>(
+        std::clamp(std::round(px / Appearance::kCentreStep_px), -127.0F, 127.0F));
+  };
+  a = {patch,
+       compact,
+       {step(centre_px.x()), step(centre_px.y())},
+       direction_rad,
+       l.first_appearance};
   l.first_appearance = i;
   ++l.appearance_count;
   return true;
@@ -314,13 +322,15 @@ void Map::resampled(std::span<const std::uint16_t> parents) {
   }
 }
 
-float Map::best_ncc(int slot, const Patch& patch, float direction_rad, float max_turn_rad) const {
-  float best = -1.0F;
+Map::Look Map::best_look(int slot, const Patch& patch, float direction_rad,
+                         float max_turn_rad) const {
+  Look best;
   for (int i = info(slot).first_appearance; i >= 0; i = appearance(i).next) {
     const Appearance& a = appearance(i);
     const double turn = wrap_angle(static_cast<double>(a.direction_rad - direction_rad));
     if (std::abs(turn) > static_cast<double>(max_turn_rad)) continue;
-    best = std::max(best, ncc(a.patch, patch));
+    const float similarity = ncc(a.patch, patch);
+    if (similarity > best.ncc) best = {&a, similarity};
   }
   return best;
 }

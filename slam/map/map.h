@@ -60,8 +60,10 @@ class Map {
 
   // Adds a look; false when the landmark has kMaxAppearances, or when the pool has no more than
   // the first looks of landmarks that may still come.
+  // `centre_px`: where the landmark lies in the patch, from its middle.
   bool add_appearance(int slot, const Patch& patch, const CompactPatch& compact,
-                      float direction_rad);
+                      float direction_rad,
+                      const Eigen::Vector2f& centre_px = Eigen::Vector2f::Zero());
 
   // The landmark's rows at today's generation, and for today's calibration.
   LandmarkRows rows(int slot);
@@ -110,7 +112,14 @@ class Map {
 
   // The best NCC of a patch over the landmark's looks; only looks whose direction agrees within
   // `max_turn_rad` count. `direction_rad` is the patch's, in the start frame.
-  float best_ncc(int slot, const Patch& patch, float direction_rad, float max_turn_rad) const;
+  struct Look {
+    const Appearance* appearance = nullptr;  // none: no look in that direction
+    float ncc = -1.0F;
+  };
+  Look best_look(int slot, const Patch& patch, float direction_rad, float max_turn_rad) const;
+  float best_ncc(int slot, const Patch& patch, float direction_rad, float max_turn_rad) const {
+    return best_look(slot, patch, direction_rad, max_turn_rad).ncc;
+  }
 
  private:
   int particles_ = 0;

@@ -22,7 +22,7 @@ void add_looks(Map& own, int own_slot, const Map& other, int slot, double turn_r
     const auto direction =
         static_cast<float>(wrap_angle(static_cast<double>(a.direction_rad) + turn_rad));
     if (own.best_ncc(own_slot, a.patch, direction, 4.0F) >= ncc_new) continue;
-    own.add_appearance(own_slot, a.patch, a.compact, direction);
+    own.add_appearance(own_slot, a.patch, a.compact, direction, a.centre_px());
   }
 }
 
