@@ -31,7 +31,7 @@ inline constexpr int kAppearancePool = 5 * kMaxLandmarks;
 
 // Frames in which landmarks were first seen and that still carry one: 2.7 landmarks each on
 // average; in simulated buildings they have 4.1 to 4.3.
-inline constexpr int kMaxAnchors = 1536;
+inline constexpr int kMaxAnchors = 1216;
 
 // Published landmarks that were removed since peers were last told. More: peers keep them.
 inline constexpr int kMaxRemovals = 1024;

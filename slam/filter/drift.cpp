@@ -52,12 +52,13 @@ void DriftEstimate::add(const PlacedDrift& anchor, double height_m, double noise
 }
 
 void DriftEstimate::end_frame() {
-  if (count_ >= kFewMatches) {
+  if (count_ >= kFewMatches && sum_.allFinite()) {
     covariance_ = sum_ / count_;
   } else {
     PlacedDrift here;
     here.set(last_m_, covariance_);
     covariance_ = carried_drift(here, camera_m_);
+    if (!covariance_.allFinite()) covariance_ = here.matrix();
   }
   last_m_ = camera_m_;
 }

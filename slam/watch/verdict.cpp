@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
-#include <cstdio>
+#include <cstdint>
 
 namespace zenith {
 namespace {
@@ -91,6 +92,22 @@ constexpr std::array<CodeInfo, kSetupCodes> kCodes = {{
      " s); the robot does not know where it is: drive to a mapped place, or start a new map"},
 }};
 
+// With so many decimals; values beyond 1e9 stop there.
+std::string_view decimal(double value, int decimals, std::array<char, 32>& out) {
+  std::int64_t unit = 1;
+  for (int i = 0; i < decimals; ++i) unit *= 10;
+  const std::int64_t scaled =
+      std::llround(std::min(std::abs(value), 1e9) * static_cast<double>(unit));
+  char* at = out.data();
+  if (value < 0.0 && scaled != 0) *at++ = '-';
+  at = std::to_chars(at, out.data() + out.size(), scaled / unit).ptr;
+  if (decimals > 0) *at++ = '.';
+  for (std::int64_t place = unit / 10; place > 0; place /= 10) {
+    *at++ = static_cast<char>('0' + scaled / place % 10);
+  }
+  return {out.data(), static_cast<std::size_t>(at - out.data())};
+}
+
 }  // namespace
 
 std::string_view verdict_name(VerdictState state) {
@@ -109,15 +126,20 @@ bool gives(const SetupVerdict& verdict, SetupCode code) {
 
 ReasonText reason_text(const Reason& reason) {
   const CodeInfo& code = kCodes[static_cast<std::size_t>(reason.code)];
-  std::array<char, 321> text;
-  if (code.decimals < 0) {
-    std::snprintf(text.data(), text.size(), "%s", code.before);
-  } else {
-    const double value = std::isfinite(reason.value) ? reason.value : 0.0;
-    std::snprintf(text.data(), text.size(), "%s%.*f%s", code.before, code.decimals, value,
-                  code.after);
+  std::array<char, 320> text;
+  std::size_t length = 0;
+  const auto add = [&](std::string_view part) {
+    const std::size_t fits = std::min(part.size(), text.size() - length);
+    std::copy_n(part.begin(), fits, text.begin() + static_cast<std::ptrdiff_t>(length));
+    length += fits;
+  };
+  add(code.before);
+  if (code.decimals >= 0) {
+    std::array<char, 32> number;
+    add(decimal(std::isfinite(reason.value) ? reason.value : 0.0, code.decimals, number));
+    add(code.after);
   }
-  return ReasonText(text.data());
+  return ReasonText({text.data(), length});
 }
 
 }  // namespace zenith
