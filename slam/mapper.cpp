@@ -127,7 +127,10 @@ void Mapper::match(const Features& features, const FeatureExtractor& view) {
 
 void Mapper::weigh(const Features& features) {
   blind_ = !first_ && !sees_map();
-  if (blind_) return wait_for_landmarks();
+  if (blind_) {
+    ++counters_.frames_blind;
+    return wait_for_landmarks();
+  }
   learn_noise(features);
   trust_matches(features);
   carry_drift();
@@ -141,9 +144,9 @@ bool Mapper::sees_map() const {
   return seen >= kLeastSeen;
 }
 
-// Where the particles are is not known well enough for what little this frame shows.
+// Where the particles are is not known well enough for what this frame shows: nothing is made of
+// it, and the wheels' error is drawn later.
 void Mapper::wait_for_landmarks() {
-  ++counters_.frames_blind;
   loop_closing_ = false;
   correction_ = PoseCorrection{};
   corner_used_.fill(false);

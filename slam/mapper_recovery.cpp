@@ -128,13 +128,7 @@ void Mapper::shift_poses(const Pose2& by) {
 }
 
 void Mapper::hold() {
-  loop_closing_ = false;
-  correction_ = PoseCorrection{};
-  corner_used_.fill(false);
-  for (Candidate& c : candidates_[0]) {
-    c.corner = -1;
-    c.inlier = false;
-  }
+  wait_for_landmarks();
   scale_.reset();
   estimate();
   corners_kept_.clear();
