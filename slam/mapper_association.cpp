@@ -17,6 +17,9 @@ namespace {
 constexpr int kWellInside_px = 24;
 constexpr double kSettledRadius_px = 2.5;
 constexpr int kEnoughToSteer = 15;
+// Medians of chi squared with one and with two degrees of freedom.
+constexpr double kMedianOfOne = 0.4549364;
+constexpr double kMedianOfTwo = 1.3862944;
 constexpr float kLeastToLocate = 0.7F;  // NCC: below, two patches are too different to align
 // A wheel that slips between two frames: forward, left, turn.
 const Eigen::Vector3d kSlip(0.02, 0.01, 2.0 * std::numbers::pi / 180.0);
@@ -235,13 +238,19 @@ void Mapper::learn_noise(const Features& features) {
   const double kappa_1 = noise_scale_.kappa_1();
   for (const Candidate& c : candidates_[0]) {
     if (!is_kind(c, CandidateKind::kPromotedRecent) || c.corner < 0) continue;
-    if (c.shared != 0.0) continue;  // its innovation is that of a prior
     LandmarkInfo& l = map_->info(c.slot);
     const Feature& f = features[static_cast<std::size_t>(c.corner)];
     const double stated = static_cast<double>(c.stated_noise);
     const Eigen::Vector2d e = seen_at(c, f).cast<double>() - c.m - c.G * correction_.xi;
     const Eigen::Matrix2d S = c.own + c.G * correction_.covariance * c.G.transpose() -
                               stated * (1.0 - kappa_1 / kappa) * Eigen::Matrix2d::Identity();
+    if (c.shared != 0.0 && c.u.squaredNorm() > 0.0) {
+      // Along the parallax its innovation is that of a prior; across it, one of one dimension.
+      const Eigen::Vector2d across = Eigen::Vector2d(-c.u.y(), c.u.x()).normalized();
+      const double off = across.dot(e);
+      noise_scale_.add(kMedianOfTwo / kMedianOfOne * off * off / across.dot(S * across));
+      continue;
+    }
     noise_scale_.add(e.dot(S.inverse() * e));
     if (l.last_residual_frame == frames_used_ - 1) {
       noise_scale_.add_pair(e.x(), static_cast<double>(l.last_residual[0]));

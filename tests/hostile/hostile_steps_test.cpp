@@ -299,7 +299,7 @@ void HostileDrive::expect_counters_to_add_up() {
   EXPECT_LE(m.landmarks_promoted + m.repairs.landmarks_dropped, 2 * (m.landmarks_created + 1));
 }
 
-TEST(HostileSteps, AllThatComesOutIsFiniteAndItMapsOnAfterwards) {
+TEST(HostileSteps, AllThatComesOutIsFiniteAndItMapsOnAfterwardsOrSaysThatItIsLost) {
   const TestSeed seed;
   HostileDrive drive(seed.value());
   for (int i = 0; i < 40; ++i) drive.good_step();
@@ -319,7 +319,7 @@ TEST(HostileSteps, AllThatComesOutIsFiniteAndItMapsOnAfterwards) {
   const StepCounters c = drive.slam().counters();
   EXPECT_GT(c.frames, 500u);
   EXPECT_GT(c.frames_refused, 100u);
-  EXPECT_GT(c.odometry_jumps, 20u);
+  EXPECT_GT(c.odometry_jumps, 10u);
   EXPECT_GT(c.records_refused, 100u);
   // Clocks are followed after a while, and the last strange frames leave the view.
   for (int i = 0; i < 60; ++i) drive.good_step();
@@ -334,7 +334,10 @@ TEST(HostileSteps, AllThatComesOutIsFiniteAndItMapsOnAfterwards) {
   const Pose2 truly = truth_before.inverse() * drive.truth();
   EXPECT_LT((moved.position() - truly.position()).norm(), 0.08);
   EXPECT_LT(std::abs(wrap_angle(moved.theta_rad - truly.theta_rad)), 0.04);
-  EXPECT_GT(drive.slam().output().inliers, 10);
+  // Where the strange input has carried it off its map, it says so and goes by its wheels.
+  const StepOutput& output = drive.slam().output();
+  EXPECT_TRUE(output.inliers > 10 || output.tracking == TrackingState::kLost)
+      << state_name(output.tracking);
 }
 
 // Parameters of every kind of absurdity, one at a time and all at once: taken within their limits.
