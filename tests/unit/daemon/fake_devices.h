@@ -1,7 +1,8 @@
 #pragma once
-// A camera and a base without a world, for tests of the perception thread: a picture of blocks that
-// moves by as much as the wheels say, as fast as the test asks.
+// A camera and a base without a world, for tests of the perception thread: a ceiling of tiles seen
+// from where the wheels say, as fast as the test asks.
 
+#include <algorithm>
 #include <atomic>
 #include <memory>
 #include <thread>
@@ -13,6 +14,7 @@
 #include "platform/daemon/devices.h"
 #include "platform/linux/clock.h"
 #include "slam/image/lens.h"
+#include "tests/support/hall.h"
 
 namespace zenith {
 
@@ -55,7 +57,7 @@ class FakeRobot {
       for (int i = 0; !stop_.load(); ++i, millimetres += stands.load() ? 0 : 2) {
         sleep_until(monotonic_now() + Duration{10'000'000});
         if (i % 5 == 0) {
-          if (!freezes.load()) paint(millimetres / 4);
+          if (!freezes.load()) paint(millimetres);
           camera->deliver(monotonic_now(), pixels_);
         }
         if (wheels_on.load()) can->send(odometer_frame(monotonic_now(), millimetres, millimetres));
@@ -75,17 +77,12 @@ class FakeRobot {
   std::atomic<bool> freezes = false;  // frames come with new stamps, and show what the last one did
 
  private:
-  void paint(int shift_px) {
-    const Lens& lens = devices.robot.lens;
-    for (int v = 0; v < lens.height_px; ++v) {
-      for (int u = 0; u < lens.width_px; ++u) {
-        const unsigned block = static_cast<unsigned>((u + shift_px) / 24 * 31 + v / 24 * 17);
-        pixels_[static_cast<std::size_t>(v) * lens.width_px + u] =
-            static_cast<std::uint8_t>(block * 2654435761U >> 13);
-      }
-    }
+  void paint(int millimetres) {
+    const ImageView seen = hall_.seen_from({1e-3 * millimetres, 0.0, 0.0});
+    std::copy_n(seen.data, pixels_.size(), pixels_.begin());
   }
 
+  Hall hall_{devices.robot.lens};
   std::vector<std::uint8_t> pixels_;
   std::atomic<bool> stop_ = false;
   std::thread driver_;
