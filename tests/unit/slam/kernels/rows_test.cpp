@@ -21,11 +21,14 @@ int padded(int particles) {
 }
 
 // Powers of ten of wild values. NEON of 32-bit ARM takes numbers below 1e-38 for zero and the
-// scalar path does not: there, products of four values must stay above.
+// scalar path does not, nor do the two make the same NaN: there, products of some values must stay
+// between.
 #if defined(__arm__)
-constexpr double kLeastSize = -8.0;
+constexpr double kLeastSize = -1.0;
+constexpr double kMostSize = 1.0;
 #else
 constexpr double kLeastSize = -30.0;
+constexpr double kMostSize = 15.0;
 #endif
 
 // Rows at odd places in memory, with something behind them that must stay as it is.
@@ -74,7 +77,7 @@ class Rows {
            std::memcmp(&a.back(), &b.back(), sizeof(T)) == 0;
   }
   void fill(Random& random, std::size_t i, bool wild) {
-    const double size = wild ? std::pow(10.0, random.uniform(kLeastSize, 15.0)) : 1.0;
+    const double size = wild ? std::pow(10.0, random.uniform(kLeastSize, kMostSize)) : 1.0;
     const auto value = [&](double low, double high) {
       return static_cast<float>(size * random.uniform(low, high));
     };
