@@ -39,13 +39,8 @@ constexpr std::array<std::int64_t, 8> kStamps = {std::numeric_limits<std::int64_
                                                  -1,
                                                  1};
 
-RobotConfig small_robot() {
-  RobotConfig robot;
-  robot.lens.width_px = 320;
-  robot.lens.height_px = 240;
-  robot.lens.fu_px = robot.lens.fv_px = 75.0;
-  robot.lens.cu_px = 160.0;
-  robot.lens.cv_px = 120.0;
+RobotConfig hostile_robot() {
+  RobotConfig robot = small_robot();
   robot.mount.x_m = 0.05;
   return robot;
 }
@@ -69,8 +64,8 @@ class HostileDrive {
   explicit HostileDrive(std::uint64_t seed)
       : random_(seed),
         memory_(Slam::memory_needed(few_particles())),
-        slam_(small_robot(), few_particles(), seed, memory_.span()),
-        hall_(small_robot().lens) {}
+        slam_(hostile_robot(), few_particles(), seed, memory_.span()),
+        hall_(hostile_robot().lens) {}
 
   // The robot drives on along its curve, and everything says so.
   void good_step() {
@@ -91,10 +86,10 @@ class HostileDrive {
   Time stamp() const { return {time_ns_}; }
   void advance() {
     time_ns_ += kPeriod_ns;
-    const double half = 0.5 * turn_ * small_robot().wheels.track_width_m;
+    const double half = 0.5 * turn_ * hostile_robot().wheels.track_width_m;
     left_m_ += kStep_m - half;
     right_m_ += kStep_m + half;
-    truth_ = truth_ * wheel_motion(small_robot().wheels, {kStep_m - half, kStep_m + half});
+    truth_ = truth_ * wheel_motion(hostile_robot().wheels, {kStep_m - half, kStep_m + half});
     if (++steps_of_curve_ == 40) {
       steps_of_curve_ = 0;
       turn_ = -turn_;
@@ -344,7 +339,7 @@ TEST(HostileSteps, AllThatComesOutIsFiniteAndItMapsOnAfterwardsOrSaysThatItIsLos
 TEST(HostileSteps, ParametersBeyondTheirLimitsAreLimited) {
   const TestSeed seed;
   Random random(seed.value());
-  Hall hall(small_robot().lens);
+  Hall hall(hostile_robot().lens);
   for (int trial = 0; trial < 30; ++trial) {
     Parameters p = few_particles();
     for (const ParameterInfo& info : parameter_table()) {
@@ -366,7 +361,7 @@ TEST(HostileSteps, ParametersBeyondTheirLimitsAreLimited) {
     }
     p.particles = std::min(p.particles, 64);  // for the time that it takes
     const MemoryBlock memory(Slam::memory_needed(p));
-    Slam slam(small_robot(), p, seed.value(), memory.span());
+    Slam slam(hostile_robot(), p, seed.value(), memory.span());
     int limited = 0;
     within_limits(p, &limited);
     EXPECT_EQ(slam.counters().parameters_limited, static_cast<std::uint64_t>(limited));
@@ -384,10 +379,10 @@ TEST(HostileSteps, ParametersBeyondTheirLimitsAreLimited) {
 
 // A robot whose wheels or lens are described by no numbers maps nothing, and says so.
 TEST(HostileSteps, ARobotThatIsNoNumberDoesNoHarm) {
-  Hall hall(small_robot().lens);
+  Hall hall(hostile_robot().lens);
   for (const double bad : {kNan, kInfinite, 0.0, 1e300, -1e300}) {
     for (int field = 0; field < 6; ++field) {
-      RobotConfig robot = small_robot();
+      RobotConfig robot = hostile_robot();
       double* const fields[] = {
           &robot.wheels.track_width_m, &robot.wheels.left_scale, &robot.lens.k[0],
           &robot.lens.fu_px,           &robot.mount.z_m,         &robot.mount.x_m};

@@ -12,8 +12,20 @@
 #include "slam/geometry.h"
 #include "slam/image/image.h"
 #include "slam/image/lens.h"
+#include "slam/robot.h"
 
 namespace zenith {
+
+// With a small picture, so that steps are fast.
+inline RobotConfig small_robot() {
+  RobotConfig robot;
+  robot.lens.width_px = 320;
+  robot.lens.height_px = 240;
+  robot.lens.fu_px = robot.lens.fv_px = 75.0;
+  robot.lens.cu_px = 160.0;
+  robot.lens.cv_px = 120.0;
+  return robot;
+}
 
 class Hall {
  public:

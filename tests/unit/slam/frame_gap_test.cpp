@@ -19,16 +19,6 @@ constexpr std::int64_t kSample_ns = 10'000'000;
 constexpr int kSamplesPerFrame = 10;
 constexpr double kSpeed_m_per_s = 0.5;
 
-RobotConfig small_robot() {
-  RobotConfig robot;
-  robot.lens.width_px = 320;
-  robot.lens.height_px = 240;
-  robot.lens.fu_px = robot.lens.fv_px = 75.0;
-  robot.lens.cu_px = 160.0;
-  robot.lens.cv_px = 120.0;
-  return robot;
-}
-
 // Drives a slalom under a ceiling of tiles, with wheels that tell the truth.
 class Slalom {
  public:

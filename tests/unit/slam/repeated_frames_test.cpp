@@ -16,16 +16,6 @@ namespace {
 constexpr std::int64_t kPeriod_ns = 100'000'000;
 constexpr double kStep_m = 0.05;
 
-RobotConfig small_robot() {
-  RobotConfig robot;
-  robot.lens.width_px = 320;
-  robot.lens.height_px = 240;
-  robot.lens.fu_px = robot.lens.fv_px = 75.0;
-  robot.lens.cu_px = 160.0;
-  robot.lens.cv_px = 120.0;
-  return robot;
-}
-
 // Drives straight on under a ceiling of tiles; the camera's frames are what the test makes of them.
 class Drive {
  public:
