@@ -40,7 +40,11 @@ std::optional<WheelSample> WheelDecoder::decode(const CanFrame& frame) {
     case FrameUse::kReading:
       break;
   }
-  if (!take(frame.stamp, news) || !fresh_left_ || !fresh_right_) return std::nullopt;
+  return take(frame.stamp, news);
+}
+
+std::optional<WheelSample> WheelDecoder::take(Time stamp_of_news, const WheelNews& news) {
+  if (!accept(stamp_of_news, news) || !fresh_left_ || !fresh_right_) return std::nullopt;
   fresh_left_ = false;
   fresh_right_ = false;
   ++counters_.samples;
@@ -57,7 +61,7 @@ void WheelDecoder::note_errors(const WheelNews& news) {
 }
 
 // False when the frame is refused as a whole.
-bool WheelDecoder::take(Time stamp, const WheelNews& news) {
+bool WheelDecoder::accept(Time stamp, const WheelNews& news) {
   std::optional<WheelStep> left;
   std::optional<WheelStep> right;
   if (news.left) left = left_.judge(stamp, *news.left);

@@ -62,6 +62,8 @@ class WheelDecoder {
   // At most one sample for a frame; travel is zero in each wheel's first reading. Stamps of samples
   // rise strictly.
   std::optional<WheelSample> decode(const CanFrame& frame);
+  // The same for readings that came by another way than CAN.
+  std::optional<WheelSample> take(Time stamp, const WheelNews& news);
 
   // The identifiers that decode() reads, for the kernel's filter.
   CanIds ids() const;
@@ -70,7 +72,7 @@ class WheelDecoder {
 
  private:
   void note_errors(const WheelNews& news);
-  bool take(Time stamp, const WheelNews& news);
+  bool accept(Time stamp, const WheelNews& news);
   void take_wheel(Time stamp, const WheelReading& reading, WheelStep step, WheelAccumulator& wheel,
                   bool& fresh);
 

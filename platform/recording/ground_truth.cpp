@@ -13,7 +13,9 @@ namespace {
 constexpr std::size_t kMaxPoses = 5'000'000;  // 14 hours, 100 a second
 constexpr LineLimits kLimits = {128 * kMaxPoses};
 
-std::optional<StampedPose> parse_pose(std::string_view line) {
+}  // namespace
+
+std::optional<TumLine> parse_tum_line(std::string_view line) {
   std::istringstream words{std::string(line)};
   std::string stamp;
   double v[7];
@@ -26,25 +28,25 @@ std::optional<StampedPose> parse_pose(std::string_view line) {
   if (!time || std::abs(norm - 1.0) > 0.01) return std::nullopt;
   const double yaw =
       std::atan2(2.0 * (v[6] * v[5] + v[3] * v[4]), 1.0 - 2.0 * (v[4] * v[4] + v[5] * v[5]));
-  return StampedPose{*time, {v[0], v[1], yaw}};
+  const double up = 1.0 - 2.0 * (v[3] * v[3] + v[4] * v[4]);
+  return TumLine{{*time, {v[0], v[1], yaw}}, std::acos(std::clamp(up, -1.0, 1.0))};
 }
-
-}  // namespace
 
 Result<std::vector<StampedPose>> parse_tum(InputLines& file) {
   std::vector<StampedPose> poses;
   std::string_view line;
   while (file.next(line)) {
     if (line.find_first_not_of(" \t") == std::string::npos || line[0] == '#') continue;
-    const auto pose = parse_pose(line);
-    if (!pose) return file.error("expected 'seconds x y z qx qy qz qw' with a unit quaternion");
-    if (!poses.empty() && pose->stamp <= poses.back().stamp) {
+    const auto parsed = parse_tum_line(line);
+    if (!parsed) return file.error("expected 'seconds x y z qx qy qz qw' with a unit quaternion");
+    const StampedPose& pose = parsed->pose;
+    if (!poses.empty() && pose.stamp <= poses.back().stamp) {
       return file.error("the stamp does not follow the one before");
     }
     if (poses.size() == kMaxPoses) {
       return file.error("expected at most " + std::to_string(kMaxPoses) + " poses");
     }
-    poses.push_back(*pose);
+    poses.push_back(pose);
   }
   if (!file.status()) return file.status().error();
   return poses;

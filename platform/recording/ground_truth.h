@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "platform/base/result.h"
@@ -17,6 +18,14 @@ struct StampedPose {
   Time stamp;
   Pose2 pose;  // the yaw of the quaternion; height, roll and pitch are dropped
 };
+
+struct TumLine {
+  StampedPose pose;
+  double lean_rad = 0.0;  // of its z axis against the vertical
+};
+
+// 'seconds x y z qx qy qz qw' with a unit quaternion; anything else is nothing.
+std::optional<TumLine> parse_tum_line(std::string_view line);
 
 // Stamps rise strictly.
 Result<std::vector<StampedPose>> parse_tum(InputLines& lines);

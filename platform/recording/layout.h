@@ -26,6 +26,13 @@ inline path frames(const path& folder) {
 inline path can_log(const path& folder, const std::string& interface) {
   return folder / (interface + ".log");
 }
+// In place of a CAN log: the wheels' travel, or the poses that the base itself made of it.
+inline path odometry_csv(const path& folder) {
+  return folder / "odometry.csv";
+}
+inline path odometry_tum(const path& folder) {
+  return folder / "odometry.tum";
+}
 // What the running robot itself thought, when it was recorded; not used by a replay.
 inline path estimate(const path& folder) {
   return folder / "estimate.tum";

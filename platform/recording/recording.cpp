@@ -2,9 +2,9 @@
 
 #include "platform/base/printable.h"
 #include "platform/recording/layout.h"
+#include "platform/recording/odometry_file.h"
 #include "platform/recording/png.h"
 #include "platform/recording/sensor_file.h"
-#include "platform/recording/wheel_log.h"
 
 namespace zenith {
 namespace {
@@ -78,13 +78,11 @@ Status Recording::check_files() {
 }
 
 Status Recording::load_odometry(const RobotFile& robot) {
-  const fs::path path = layout::can_log(folder_, robot.can_interface);
-  const auto decoder = make_wheel_decoder(robot.odometry);
-  if (!decoder.ok()) {
-    return Error{layout::robot(folder_).string() + ": " + decoder.error().message};
-  }
-  const auto log = read_wheel_log(path, robot.can_interface, *decoder);
+  const auto file = find_odometry(folder_, robot.can_interface);
+  if (!file.ok()) return file.error();
+  const auto log = read_odometry(*file, robot);
   if (!log.ok()) return log.error();
+  const fs::path& path = file->path;
   const auto gaps = describe_gaps(*log, frames_, path, options_.max_odometry_gap_s);
   if (!gaps.ok()) return gaps.error();
   warnings_ = describe_log(*log, path);

@@ -1,16 +1,18 @@
 #include "platform/recording/robot_file.h"
 
 #include <cstdio>
+#include <cstring>
 #include <utility>
 
 #include "platform/config/robot_settings.h"
 #include "platform/config/toml_text.h"
+#include "platform/recording/layout.h"
 #include "platform/recording/odometry_section.h"
 
 namespace zenith {
 namespace {
 
-Settings settings_of(RobotFile& robot) {
+Settings settings_of(RobotFile& robot, OdometryKeys keys) {
   Settings settings = wheel_settings(robot.wheels);
   for (Setting& setting : settings) setting.required = true;
   const Settings odometry = odometry_settings(robot.odometry);
@@ -19,6 +21,10 @@ Settings settings_of(RobotFile& robot) {
   interface.key = "odometry.can_interface";
   interface.at = &robot.can_interface;
   settings.push_back(std::move(interface));
+  settings.push_back({"odometry.poses_track_width_m", "m", 0.0, 5.0,
+                      "odometry.tum: the track width that its poses were made with",
+                      &robot.poses_track_width_m});
+  if (keys == OdometryKeys::kNone) return settings;
   for (Setting& setting : settings) {
     if (setting.key == "odometry.codec" || setting.key == "odometry.can_interface") {
       setting.required = true;
@@ -36,13 +42,17 @@ Result<RobotFile> read_robot_file(const std::filesystem::path& path) {
   }
   const auto text = read_toml(path);
   if (!text) return text.error();
-  return parse_robot_file(*text, path);
+  const auto folder = path.parent_path();
+  const bool without_can = std::filesystem::exists(layout::odometry_csv(folder), code) ||
+                           std::filesystem::exists(layout::odometry_tum(folder), code);
+  return parse_robot_file(*text, path, without_can ? OdometryKeys::kNone : OdometryKeys::kCan);
 }
 
-Result<RobotFile> parse_robot_file(std::string_view text, const std::filesystem::path& path) {
+Result<RobotFile> parse_robot_file(std::string_view text, const std::filesystem::path& path,
+                                   OdometryKeys keys) {
   Problems problems(path);
   RobotFile robot;
-  const KeyLines lines = parse_settings(text, settings_of(robot), problems);
+  const KeyLines lines = parse_settings(text, settings_of(robot, keys), problems);
   if (!is_interface_name(robot.can_interface)) {
     problems.add(lines.of("odometry.can_interface"),
                  "odometry.can_interface '" + robot.can_interface + "' is no interface's name");
@@ -71,6 +81,11 @@ std::string format_robot_file(const RobotFile& robot) {
       "can_interface = \"%s\"        # recorded in <can_interface>.log\n",
       wheels.track_width_m, wheels.left_scale, wheels.right_scale,
       std::string(wheel_codec_name(robot.odometry.kind)).c_str(), robot.can_interface.c_str());
+  if (robot.poses_track_width_m != 0.0) {
+    std::snprintf(text + std::strlen(text), sizeof text - std::strlen(text),
+                  "poses_track_width_m = %.9f   # of the poses in odometry.tum\n",
+                  robot.poses_track_width_m);
+  }
   return text + format_odometry(robot.odometry);
 }
 

@@ -16,13 +16,20 @@ namespace zenith {
 struct RobotFile {
   Wheels wheels;
   WheelCodecConfig odometry;
+  // odometry.tum: the track width with which the base made its poses; 0: that of `wheels`.
+  double poses_track_width_m = 0.0;
   std::string can_interface = "can0";  // the log is named after it: can0.log
 };
 
-// A relative dbc.file is taken from the folder of robot.toml.
+// What tells of the wheels. Without a CAN log, no codec and no interface need be named.
+enum class OdometryKeys { kCan, kNone };
+
+// A relative dbc.file is taken from the folder of robot.toml. Where odometry.csv or odometry.tum
+// stands beside it, the codec may be left out.
 Result<RobotFile> read_robot_file(const std::filesystem::path& path);
 // `path` is where the text comes from.
-Result<RobotFile> parse_robot_file(std::string_view text, const std::filesystem::path& path);
+Result<RobotFile> parse_robot_file(std::string_view text, const std::filesystem::path& path,
+                                   OdometryKeys keys = OdometryKeys::kCan);
 
 // The annotated text of the file.
 std::string format_robot_file(const RobotFile& robot);

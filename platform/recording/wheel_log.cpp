@@ -54,6 +54,15 @@ Result<WheelLog> read_wheel_log(const std::filesystem::path& path, const std::st
   for (const CanFrame& frame : log.can.frames) decode_frame(frame, decoder, log);
   log.can.frames = {};
   log.decoder = decoder.counters();
+  log.malformed = log.can.malformed;
+  if (log.malformed > 0) {
+    log.first_malformed =
+        log.can.first_malformed + ": malformed line, expected '(seconds) interface ID#DATA'";
+  }
+  return unless_empty(std::move(log), path);
+}
+
+Result<WheelLog> unless_empty(WheelLog log, const std::filesystem::path& path) {
   if (!log.samples.empty()) return log;
   std::string message = path.string() + ": holds no odometry";
   for (const std::string& trouble : describe_log(log, path)) message += "\n" + trouble;
@@ -66,18 +75,16 @@ std::vector<std::string> describe_log(const WheelLog& log, const std::filesystem
   const auto tell = [&](std::uint64_t count, const std::string& what) {
     if (count > 0) lines.push_back(name + std::to_string(count) + " " + what);
   };
-  const std::size_t malformed = log.can.malformed;
-  if (malformed > 0) {
-    lines.push_back(log.can.first_malformed +
-                    ": malformed line, expected '(seconds) interface ID#DATA'" +
-                    (malformed > 1 ? "; " + std::to_string(malformed - 1) + " more" : ""));
+  if (log.malformed > 0) {
+    lines.push_back(log.first_malformed +
+                    (log.malformed > 1 ? "; " + std::to_string(log.malformed - 1) + " more" : ""));
   }
   tell(log.can.other_interfaces, "frames of other interfaces, ignored");
   tell(log.can.other_frames, "remote, FD or error frames, ignored");
   if (!log.unknown_ids.empty()) lines.push_back(name + unknown_text(log));
-  tell(log.decoder.late, "odometry frames whose stamps go back, refused");
+  tell(log.decoder.late, "odometry readings whose stamps do not rise, refused");
   tell(log.decoder.short_frames, "odometry frames that are too short, refused");
-  tell(log.decoder.invalid, "odometry frames with impossible values, refused");
+  tell(log.decoder.invalid, "odometry readings with impossible values, refused");
   tell(log.decoder.resets, "restarts of the base's counters");
   tell(log.decoder.velocity_gaps, "gaps between velocities, bridged only in part");
   tell(log.decoder.unpaired, "frames of one wheel without a partner from the other");

@@ -1,5 +1,6 @@
 #pragma once
-// The CAN log of a recording, decoded into wheel samples.
+// The wheels of a recording, whichever file they come from (odometry_file.h), and what was odd about
+// it.
 
 #include <cstddef>
 #include <cstdint>
@@ -19,15 +20,21 @@ namespace zenith {
 struct WheelLog {
   std::vector<WheelSample> samples;  // stamps rise strictly
   WheelDecoderCounters decoder;
+  std::size_t malformed = 0;
+  std::string first_malformed;  // "path:line: what was expected"
+  // Of CAN logs.
   std::map<std::uint32_t, std::size_t> unknown_ids;  // and how often each came
   std::size_t further_unknown = 0;                   // frames of ids that found no room there
   CanLog can;                                        // without its frames: those were decoded
 };
 
-// `decoder` is that of the robot's base. Malformed lines are counted. A log without any sample is
-// an error.
+// From a CAN log. `decoder` is that of the robot's base. Malformed lines are counted. A log without
+// any sample is an error.
 Result<WheelLog> read_wheel_log(const std::filesystem::path& path, const std::string& interface,
                                 WheelDecoder decoder);
+
+// The log, or the error that it holds no odometry, with all that is odd about it.
+Result<WheelLog> unless_empty(WheelLog log, const std::filesystem::path& path);
 
 // One line for each kind of trouble in the log.
 std::vector<std::string> describe_log(const WheelLog& log, const std::filesystem::path& path);

@@ -1,6 +1,7 @@
-// Any text as what recordings hold line by line: the first byte chooses a CAN log, a list of frames
-// or a trajectory.
+// Any text as what recordings hold line by line: the first byte chooses a CAN log, a list of frames,
+// a trajectory, the wheels' travel or the base's own poses.
 
+#include <cmath>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -10,6 +11,9 @@
 #include "platform/recording/candump.h"
 #include "platform/recording/frame_list.h"
 #include "platform/recording/ground_truth.h"
+#include "platform/recording/odometry_frames.h"
+#include "platform/recording/pose_travel.h"
+#include "platform/recording/travel_file.h"
 #include "tests/fuzz/require.h"
 
 namespace {
@@ -70,20 +74,51 @@ void read_poses(std::string_view text) {
   }
 }
 
+void check_wheels(const Result<WheelLog>& log) {
+  if (!log) return;
+  require(!log->samples.empty());
+  require((log->malformed == 0) == log->first_malformed.empty());
+  const WheelSample* last = nullptr;
+  for (const WheelSample& sample : log->samples) {
+    require(std::isfinite(sample.left_m) && std::isfinite(sample.right_m));
+    require(last == nullptr || sample.stamp > last->stamp);
+    last = &sample;
+    const CanFrame frame = frame_of_sample(sample);
+    require(frame.length == 8 && frame.stamp == sample.stamp);
+  }
+  (void)describe_log(*log, "odometry");
+}
+
+void read_travel(std::string_view text) {
+  InputLines lines(text, "odometry.csv", kLimits);
+  check_wheels(parse_travel_file(lines, {}));
+}
+
+void read_poses_of_base(std::string_view text) {
+  InputLines lines(text, "odometry.tum", kLimits);
+  check_wheels(parse_pose_travel(lines, {}));
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return 0;
   const std::string_view text(reinterpret_cast<const char*>(data + 1), size - 1);
-  switch (data[0] % 3) {
+  switch ((data[0] + 2U) % 5) {  // '0' to '4'
     case 0:
       read_can(text);
       break;
     case 1:
       read_frames(text);
       break;
-    default:
+    case 2:
       read_poses(text);
+      break;
+    case 3:
+      read_travel(text);
+      break;
+    default:
+      read_poses_of_base(text);
   }
   return 0;
 }

@@ -6,6 +6,8 @@
 #include "platform/linux/log.h"
 #include "platform/recording/can_log.h"
 #include "platform/recording/layout.h"
+#include "platform/recording/odometry_file.h"
+#include "platform/recording/odometry_frames.h"
 #include "platform/recording/png.h"
 #include "platform/recording/recording.h"
 
@@ -54,14 +56,11 @@ Status RecordingSource::load() {
   if (!recording) return recording.error();
   const auto file = read_robot_file(layout::robot(folder));
   if (!file) return file.error();
-  auto decoder = make_wheel_decoder(file->odometry);
-  if (!decoder) return decoder.error();
   auto frames = read_frame_list(layout::frame_list(folder));
   if (!frames) return frames.error();
-  auto can = read_can_log(layout::can_log(folder, file->can_interface), file->can_interface);
-  if (!can) return can.error();
-
-  odometry_ = file->odometry;
+  if (const Status wheels = load_wheels(*file); !wheels) return wheels;
+  auto decoder = make_wheel_decoder(odometry_);
+  if (!decoder) return decoder.error();
   quantity_ = wheel_quantity(odometry_);
   if (quantity_ == WheelQuantity::kVelocity && config_.speed != 1.0) {
     return Error{"replay.speed is not 1, but the base of " + config_.folder +
@@ -73,12 +72,29 @@ Status RecordingSource::load() {
   warnings_ = (*recording)->warnings();
   decoder_ = *decoder;
   frames_ = std::move(*frames);
-  can_ = std::move(can->frames);
   for (std::size_t i = 1; i < can_.size(); ++i) {
     can_[i].stamp = std::max(can_[i].stamp, can_[i - 1].stamp);
   }
   first_ = std::min(frames_.front().stamp, can_.front().stamp);  // Recording wants some of both
   base_ = first_;
+  return {};
+}
+
+// The frames of the CAN log, or such as tell the same.
+Status RecordingSource::load_wheels(const RobotFile& robot) {
+  const auto file = find_odometry(config_.folder, robot.can_interface);
+  if (!file) return file.error();
+  if (file->format == OdometryFormat::kCanLog) {
+    auto can = read_can_log(file->path, robot.can_interface);
+    if (!can) return can.error();
+    odometry_ = robot.odometry;
+    can_ = std::move(can->frames);
+    return {};
+  }
+  const auto log = read_odometry(*file, robot);
+  if (!log) return log.error();
+  odometry_ = codec_of_samples(robot.odometry.limits);
+  for (const WheelSample& sample : log->samples) can_.push_back(frame_of_sample(sample));
   return {};
 }
 

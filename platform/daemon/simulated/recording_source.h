@@ -15,6 +15,7 @@
 #include "platform/daemon/config.h"
 #include "platform/daemon/simulated/device_player.h"
 #include "platform/recording/frame_list.h"
+#include "platform/recording/robot_file.h"
 
 namespace zenith {
 
@@ -38,6 +39,7 @@ class RecordingSource final : public MomentSource {
   RecordingSource() = default;
 
   Status load();
+  Status load_wheels(const RobotFile& robot);
   void begin_anew();
   Time played(Time recorded) const;
   void take_can(Time until, std::vector<CanFrame>& out);

@@ -179,6 +179,35 @@ TEST_F(RecordingSourceTest, VelocitiesStandAsZeroAndHaveOneSpeed) {
   EXPECT_THAT(refusal(), HasSubstr("replay.speed is not 1, but the base"));
 }
 
+// Without a CAN log the daemon still gets its wheels from a bus: one that tells the same travel.
+TEST_F(RecordingSourceTest, TravelWithoutACanLogComesAsFrames) {
+  fs::remove(folder_ / "can0.log");
+  std::ofstream csv(folder_ / "odometry.csv");
+  for (int i = 0; i <= 60; ++i) {
+    csv << 1.0 + 0.02 * i << "," << 5.0 - 0.0100001 * i << "," << 0.0110002 * i << "\n";
+  }
+  csv.close();
+  const auto source = open();
+  ASSERT_NE(source, nullptr);
+  WheelDecoder decoder = source->decoder();
+  auto configured = make_wheel_decoder(source->odometry());
+  ASSERT_TRUE(configured.ok()) << configured.error().message;
+  Moment moment;
+  WheelSample last;
+  while (source->next(moment)) {
+    for (const CanFrame& frame : moment.can) {
+      const auto sample = decoder.decode(frame);
+      const auto same = configured->decode(frame);
+      ASSERT_TRUE(sample && same);
+      EXPECT_EQ(sample->left_m, same->left_m);
+      last = *sample;
+    }
+  }
+  EXPECT_NEAR(last.left_m, -0.600006, 1e-6);
+  EXPECT_NEAR(last.right_m, 0.660012, 1e-6);
+  EXPECT_EQ(travel_after(*source, source->standing()), 0.0);
+}
+
 TEST_F(RecordingSourceTest, SaysWhatIsMissing) {
   fs::remove(folder_ / "can0.log");
   EXPECT_THAT(refusal(), HasSubstr("can0.log"));

@@ -74,7 +74,13 @@ TEST(Seconds, AreExactToTheNanosecond) {
   EXPECT_EQ(parse_seconds("7")->ns, 7000000000);
   EXPECT_FALSE(parse_seconds(""));
   EXPECT_FALSE(parse_seconds(".5"));
-  EXPECT_FALSE(parse_seconds("1e9"));
+  EXPECT_EQ(parse_seconds("1.436509052249713123e+09")->ns, 1436509052249713123);
+  EXPECT_EQ(parse_seconds("1e9")->ns, 1'000'000'000'000'000'000);
+  EXPECT_EQ(parse_seconds("0.000000000000000000e+00")->ns, 0);
+  EXPECT_EQ(parse_seconds("1.25e-01")->ns, 125'000'000);
+  for (const char* text : {"1e", "1e+", "1e10", "9.1e9", "1e1.0", "e9", "1e-10", "9999999999e9"}) {
+    EXPECT_FALSE(parse_seconds(text)) << text;
+  }
   EXPECT_FALSE(parse_seconds("inf"));
   EXPECT_EQ(format_seconds({1436509052249713123}), "1436509052.249713123");
   EXPECT_EQ(format_seconds({5}), "0.000000005");

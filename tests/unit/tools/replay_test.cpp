@@ -6,8 +6,10 @@
 #include <gtest/gtest.h>
 
 #include "platform/recording/candump.h"
+#include "platform/recording/ground_truth.h"
 #include "platform/recording/layout.h"
 #include "platform/recording/robot_file.h"
+#include "platform/recording/seconds.h"
 #include "platform/recording/wheel_log.h"
 #include "sim/view_angle.h"
 #include "tests/support/wheel_bases.h"
@@ -138,6 +140,70 @@ TEST_F(ReplayTest, EveryBaseGivesTheSameDrive) {
     EXPECT_NEAR(robot.path_m, agilex.path_m, 0.03);
     EXPECT_NEAR(*robot.odometry_ate_m, *agilex.odometry_ate_m, 0.003);
     EXPECT_NEAR(*robot.ate_m, *agilex.ate_m, 0.01);
+  }
+}
+
+// The poses that a base makes of its wheels, an arc from each sample to the next.
+std::string poses_of(const std::vector<WheelSample>& samples, double track_width_m) {
+  std::string text;
+  Pose2 pose{-4.0, 2.5, 1.0};
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (i > 0) {
+      const double left = samples[i].left_m - samples[i - 1].left_m;
+      const double right = samples[i].right_m - samples[i - 1].right_m;
+      const double half = 0.5 * (right - left) / track_width_m;
+      const double chord =
+          0.5 * (left + right) * (half == 0.0 ? 1.0 : std::sin(half) / half);
+      pose = {pose.x_m + chord * std::cos(pose.theta_rad + half),
+              pose.y_m + chord * std::sin(pose.theta_rad + half),
+              wrap_angle(pose.theta_rad + 2.0 * half)};
+    }
+    text += format_tum({samples[i].stamp, pose});
+  }
+  return text;
+}
+
+// The wheels' travel and the base's own poses in place of the CAN log: the same trajectory.
+TEST_F(ReplayTest, TravelAndPosesGiveTheSameTrajectoryAsTheCanLog) {
+  ReplayPlan one = plan();
+  one.recordings.resize(1);
+  const fs::path can_out = make("can_out");
+  ASSERT_TRUE(replay(one, can_out, {}).ok());
+  const std::string& name = (*names_)[0];
+  const auto expected = read_tum(can_out / name / "trajectory.tum");
+  ASSERT_TRUE(expected.ok() && expected->size() > 20);
+  const auto robot = read_robot_file(layout::robot(one.recordings[0]));
+  const auto wheels =
+      read_wheel_log(layout::can_log(one.recordings[0], "can0"), "can0", WheelDecoder());
+  ASSERT_TRUE(robot.ok() && wheels.ok());
+  std::string csv = "stamp,left_m,right_m\n";
+  for (const WheelSample& sample : wheels->samples) {
+    csv += format_seconds(sample.stamp) + "," + std::to_string(sample.left_m) + "," +
+           std::to_string(sample.right_m) + "\n";
+  }
+  const std::string tum = poses_of(wheels->samples, robot->wheels.track_width_m);
+  for (const auto& [file, text] :
+       {std::pair<const char*, std::string>{"odometry.csv", csv}, {"odometry.tum", tum}}) {
+    SCOPED_TRACE(file);
+    const fs::path folder = make((std::string(file) + "_rec").c_str()) / name;
+    fs::copy(one.recordings[0], folder, fs::copy_options::recursive);
+    fs::remove(layout::can_log(folder, "can0"));
+    write_text(folder / file, text);
+    ReplayPlan other = plan();
+    other.recordings = {folder};
+    const fs::path out = make((std::string(file) + "_out").c_str());
+    const auto result = replay(other, out, {});
+    ASSERT_TRUE(result.ok()) << result.error().message;
+    EXPECT_THAT(result->warnings, testing::IsEmpty());
+    const auto got = read_tum(out / name / "trajectory.tum");
+    ASSERT_TRUE(got.ok());
+    ASSERT_EQ(got->size(), expected->size());
+    double worst_m = 0.0;
+    for (std::size_t i = 0; i < got->size(); ++i) {
+      worst_m = std::max(worst_m, ((*got)[i].pose.position() - (*expected)[i].pose.position()).norm());
+    }
+    RecordProperty(std::string(file) + "_worst_mm", std::to_string(1e3 * worst_m));
+    EXPECT_LT(worst_m, 0.001);
   }
 }
 
