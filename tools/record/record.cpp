@@ -29,7 +29,10 @@ double free_mb(const fs::path& folder) {
 }
 
 Result<RecordingWriter> create_writer(const fs::path& out, const tap::Hello& robot) {
-  RobotFile file{robot.config.wheels, robot.odometry, robot.can_interface};
+  RobotFile file;
+  file.wheels = robot.config.wheels;
+  file.odometry = robot.odometry;
+  file.can_interface = robot.can_interface;
   const bool has_dbc = robot.odometry.kind == WheelCodecKind::kDbc;
   file.odometry.dbc.file = has_dbc ? kDbcName : "";
   auto writer = RecordingWriter::create(out, robot.config, file);
