@@ -1,11 +1,10 @@
 #pragma once
-// The fisheye camera as a table: for every pixel inside the image circle its ray and how the ray
+// The camera as a table: for every pixel inside the image circle its ray and how the ray
 // changes from pixel to pixel, in base_link's axes (mount and tilt applied).
 //
 //   ray(u + du, v + dv) = d + du * d_u + dv * d_v        within a pixel; the rest is below 1e-5
 //
-// The table is exact for the Kannala-Brandt lens of slam/image/lens.h: pixel (0, 0) has its centre
-// at (0, 0).
+// The table is exact for every model of slam/image/lens.h: pixel (0, 0) has its centre at (0, 0).
 
 #include <vector>
 

@@ -93,6 +93,18 @@ bool TomlReader::numbers(std::string_view key, double* values, std::size_t count
   return true;
 }
 
+void TomlReader::coefficients(std::string_view key, std::span<double> values) {
+  const toml::node* node = find(key, false);
+  if (node == nullptr) return;
+  const toml::array* list = node->as_array();
+  if (list == nullptr || list->size() > values.size()) {
+    fail(key, "expected a list of at most " + std::to_string(values.size()) + " numbers");
+    return;
+  }
+  std::fill(values.begin(), values.end(), 0.0);
+  numbers(key, values.data(), list->size(), false);
+}
+
 void TomlReader::points(std::string_view key, std::vector<std::pair<double, double>>& values) {
   const toml::node* node = find(key, true);
   if (node == nullptr) return;

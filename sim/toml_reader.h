@@ -3,6 +3,7 @@
 // is an unknown key. Errors collect as "file:line: message".
 
 #include <set>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -35,6 +36,8 @@ class TomlReader {
   bool has(std::string_view key) const { return table_.contains(key); }
   // Exactly `count` numbers.
   bool numbers(std::string_view key, double* values, std::size_t count, bool required);
+  // At most values.size() numbers; zeros behind them.
+  void coefficients(std::string_view key, std::span<double> values);
   // A list of [x, y].
   void points(std::string_view key, std::vector<std::pair<double, double>>& values);
 

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "platform/base/printable.h"
+#include "platform/config/lens_settings.h"
 #include "sim/toml_reader.h"
 
 namespace zenith::sim {
@@ -87,16 +88,47 @@ BoxSpec read_box(const toml::table& table, TomlErrors& errors) {
   return box;
 }
 
+// `distortion` are the model's numbers in the order of the table in slam/image/lens.h.
+void read_lens(TomlReader& in, Lens& lens) {
+  std::string model(lens_model_name(lens.model));
+  in.text("model", model);
+  const auto found = find_lens_model(model);
+  if (!found) {
+    std::string known;
+    for (const std::string& name : lens_model_names()) {
+      known += (known.empty() ? "" : ", ") + name;
+    }
+    return in.fail("model", "expected one of " + known + ", found \"" + model + "\"");
+  }
+  if (*found != lens.model) {
+    lens = {};
+    lens.model = *found;
+  }
+  double size[2] = {static_cast<double>(lens.width_px), static_cast<double>(lens.height_px)};
+  in.numbers("size_px", size, 2, false);
+  lens.width_px = static_cast<int>(std::clamp(size[0], 0.0, 1e4));
+  lens.height_px = static_cast<int>(std::clamp(size[1], 0.0, 1e4));
+  double intrinsics[4] = {lens.fu_px, lens.fv_px, lens.cu_px, lens.cv_px};
+  in.numbers("intrinsics_px", intrinsics, 4, false);
+  lens.fu_px = intrinsics[0];
+  lens.fv_px = intrinsics[1];
+  lens.cu_px = intrinsics[2];
+  lens.cv_px = intrinsics[3];
+  const auto numbers = lens_numbers(lens.model);
+  std::vector<double> values;
+  for (const LensNumber& number : numbers) values.push_back(number.of(lens));
+  in.numbers("distortion", values.data(), values.size(), false);
+  for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i].at(lens) = values[i];
+  if (lens.model == LensModel::kScaramuzza) {
+    in.coefficients("polynomial", lens.polynomial);
+    in.coefficients("inverse_polynomial", lens.inverse_polynomial);
+  }
+  if (const Status good = check_lens(lens); !good) in.fail("model", good.error().message);
+}
+
 void read_camera(const toml::table& table, TomlErrors& errors, CameraSpec& camera) {
   TomlReader in(table, errors);
-  double intrinsics[4] = {camera.lens.fu_px, camera.lens.fv_px, camera.lens.cu_px,
-                          camera.lens.cv_px};
-  in.numbers("intrinsics_px", intrinsics, 4, false);
-  camera.lens.fu_px = intrinsics[0];
-  camera.lens.fv_px = intrinsics[1];
-  camera.lens.cu_px = intrinsics[2];
-  camera.lens.cv_px = intrinsics[3];
-  in.numbers("distortion", camera.lens.k.data(), 4, false);
+  read_lens(in, camera.lens);
   double xyz[3] = {camera.mount.x_m, camera.mount.y_m, camera.mount.z_m};
   in.numbers("mount_m", xyz, 3, false);
   camera.mount.x_m = xyz[0];

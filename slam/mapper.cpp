@@ -9,6 +9,7 @@
 #include <Eigen/LU>
 
 #include "slam/filter/resample.h"
+#include "slam/image/lens_projection.h"
 
 namespace zenith {
 namespace {
@@ -43,8 +44,9 @@ void Mapper::build(const RobotConfig& robot, const Parameters& parameters, std::
   p_ = parameters;
   random_ = Random(seed, 1);
   const double f = Pinhole::from_fov(p_.rectified_fov_deg * kDegree).focal_px;
+  const double slope = LensProjection(robot.lens).axis_slope();
   noise_ = static_cast<float>(p_.pixel_sigma_px * p_.pixel_sigma_px /
-                              (robot.lens.fu_px * robot.lens.fv_px));
+                              (robot.lens.fu_px * robot.lens.fv_px * slope * slope));
   association_.gate_sigma = p_.gate_sigma;
   association_.ncc_min = static_cast<float>(p_.ncc_match);
   pixel_ = 1.0 / f;
@@ -57,8 +59,8 @@ void Mapper::build(const RobotConfig& robot, const Parameters& parameters, std::
   noise_scale_.reset();
   drift_ = {};
   map_errors_ = {p_.wheel_scale_sigma, p_.mount_yaw_sigma_deg * kDegree};
-  calibration_.reset(
-      {p_.tilt_sigma_deg * kDegree, p_.focal_sigma, p_.principal_sigma_px / robot.lens.fu_px});
+  calibration_.reset({p_.tilt_sigma_deg * kDegree, p_.focal_sigma,
+                      p_.principal_sigma_px / (robot.lens.fu_px * slope)});
   const auto n = static_cast<std::size_t>(particles_.count);
   std::fill_n(particles_.weight.begin(), n, 1.0 / static_cast<double>(n));
   place_cameras(particles_, lever_m());

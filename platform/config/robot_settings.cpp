@@ -1,6 +1,5 @@
 #include "platform/config/robot_settings.h"
 
-#include <numbers>
 #include <type_traits>
 
 #include "platform/base/printable.h"
@@ -56,14 +55,6 @@ Settings odometry_settings(WheelCodecConfig& config) {
     settings.push_back(odometry_setting(field, config));
   }
   return settings;
-}
-
-bool folds(const Lens& lens) {
-  constexpr double kUsed_rad = 75.0 * std::numbers::pi / 180.0;
-  for (double theta = 0.0; theta < kUsed_rad; theta += 0.01) {
-    if (lens.distort(theta + 0.01) <= lens.distort(theta)) return true;
-  }
-  return false;
 }
 
 bool is_interface_name(const std::string& name) {

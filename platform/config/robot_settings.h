@@ -18,9 +18,6 @@ Settings wheel_settings(Wheels& wheels);
 Settings odometry_settings(WheelCodecConfig& config);
 Setting odometry_setting(const WheelCodecField& field, WheelCodecConfig& config);
 
-// Whether the lens maps several rays that are used to one pixel: theta_d must rise with theta.
-bool folds(const Lens& lens);
-
 // Whether `name` can be that of a CAN interface.
 bool is_interface_name(const std::string& name);
 

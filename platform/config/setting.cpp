@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <cstdio>
 #include <optional>
 #include <string_view>
@@ -52,6 +53,22 @@ struct Assign {
     return {};
   }
 
+  std::string operator()(std::span<double> at) const {
+    const toml::array* list = node.as_array();
+    if (list == nullptr) return " is no list of numbers";
+    if (list->size() > at.size()) {
+      return " holds " + std::to_string(list->size()) + " numbers, expected " +
+             std::to_string(at.size()) + " at most";
+    }
+    std::fill(at.begin(), at.end(), 0.0);
+    for (std::size_t i = 0; i < list->size(); ++i) {
+      const auto number = list->get(i)->value<double>();
+      if (!number || !std::isfinite(*number)) return " holds what is no number";
+      at[i] = *number;
+    }
+    return {};
+  }
+
   std::string operator()(const Choice& choice) const {
     const auto word = node.value_exact<std::string>();
     if (!word) return " is no text";
@@ -73,7 +90,7 @@ std::optional<double> number_of(const Setting& setting) {
       [](const auto& at) -> std::optional<double> {
         using T = std::decay_t<decltype(at)>;
         if constexpr (std::is_same_v<T, Choice> || std::is_same_v<T, bool*> ||
-                      std::is_same_v<T, std::string*>) {
+                      std::is_same_v<T, std::string*> || std::is_same_v<T, std::span<double>>) {
           return std::nullopt;
         } else {
           return static_cast<double>(*at);
@@ -149,6 +166,12 @@ struct Write {
   std::string operator()(const double* at) const {
     char text[40];
     return std::string(text, std::to_chars(text, text + sizeof text, *at).ptr);
+  }
+  std::string operator()(std::span<double> at) const {
+    while (!at.empty() && at.back() == 0.0) at = at.first(at.size() - 1);
+    std::string text;
+    for (const double& number : at) text += (text.empty() ? "" : ", ") + (*this)(&number);
+    return "[" + text + "]";
   }
   std::string operator()(const bool* at) const { return *at ? "true" : "false"; }
   std::string operator()(const std::string* at) const { return quoted(*at); }

@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -34,7 +35,10 @@ struct Setting {
   double min = 0.0;  // of numbers
   double max = 0.0;
   std::string text;
-  std::variant<double*, int*, std::uint32_t*, std::uint64_t*, bool*, std::string*, Choice> at;
+  // A span: a list of at most so many numbers, behind which there are zeros.
+  std::variant<double*, int*, std::uint32_t*, std::uint64_t*, bool*, std::string*,
+               std::span<double>, Choice>
+      at;
   bool required = false;  // has no default
   bool live = false;      // may change while the program runs
 };

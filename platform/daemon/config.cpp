@@ -7,6 +7,7 @@
 
 #include "drivers/leds/led_output.h"
 #include "platform/base/printable.h"
+#include "platform/config/lens_settings.h"
 #include "platform/config/robot_settings.h"
 #include "platform/daemon/tap/tap.h"
 #include "slam/exchange/interface.h"
@@ -61,23 +62,6 @@ Settings camera_settings(DaemonConfig& c) {
        &c.camera_gain},
       {"camera.power_line", "", 0, 0, "v4l2: the lamps' frequency, against flicker",
        choice_of(c.camera.power_line, {"leave", "off", "50Hz", "60Hz", "auto"})},
-  };
-}
-
-Settings lens_settings(Lens& lens) {
-  return {
-      {"lens.width_px", "px", 16, 8192, "size of the frames; the camera must offer it",
-       &lens.width_px},
-      {"lens.height_px", "px", 16, 8192, "the same", &lens.height_px},
-      {"lens.fu_px", "px", 1, 1e5, "focal length along columns", &lens.fu_px},
-      {"lens.fv_px", "px", 1, 1e5, "focal length along rows", &lens.fv_px},
-      {"lens.cu_px", "px", 0, 8192, "column of the optical axis; the first pixel's centre is 0",
-       &lens.cu_px},
-      {"lens.cv_px", "px", 0, 8192, "row of the optical axis", &lens.cv_px},
-      {"lens.k1", "", -10, 10, "distortion, see above", &lens.k[0]},
-      {"lens.k2", "", -10, 10, "the same", &lens.k[1]},
-      {"lens.k3", "", -10, 10, "the same", &lens.k[2]},
-      {"lens.k4", "", -10, 10, "the same", &lens.k[3]},
   };
 }
 
@@ -287,9 +271,10 @@ void check_relations(const DaemonConfig& c, const KeyLines& lines, Problems& pro
   const auto check = [&](bool good, const char* key, const std::string& what) {
     if (!good) problems.add(lines.of(key), key + what);
   };
-  check(c.lens.cu_px < c.lens.width_px, "lens.cu_px", " lies outside of the frame");
-  check(c.lens.cv_px < c.lens.height_px, "lens.cv_px", " lies outside of the frame");
-  check(!folds(c.lens), "lens.k1", " .. k4 fold the image over itself");
+  for (const LensProblem& problem : lens_problems(c.lens)) {
+    const std::string key = "lens." + problem.key;
+    problems.add(lines.of(key), key + problem.what);
+  }
   check(c.slam.min_height_m < c.slam.max_height_m, "slam.min_height_m",
         " is not below slam.max_height_m");
   check(c.load.corners_min <= c.slam.corners_max, "load.corners_min", " is above slam.corners_max");

@@ -18,8 +18,10 @@ constexpr std::array kSections = {
     SectionText{"camera", "Where frames come from."},
     SectionText{
         "lens",
-        "The fisheye lens, as Kalibr's \"equidistant\" or OpenCV's \"fisheye\" calibration says:\n"
-        "u = fu theta_d x / r + cu, theta_d = theta (1 + k1 theta^2 + k2 theta^4 + ..).\n"
+        "The lens, in the model of its calibration: docs/calibration.md has the table of models.\n"
+        "Equidistant is Kalibr's \"equi\" and OpenCV's \"fisheye\": u = fu theta_d x / r + cu,\n"
+        "theta_d = theta (1 + k1 theta^2 + k2 theta^4 + ..). Keys of other models stay as they "
+        "are.\n"
         "These are an example's: calibrate yours."},
     SectionText{"mount",
                 "Where the camera sits: in base_link, that lies on the floor between the wheels."},

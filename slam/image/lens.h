@@ -1,62 +1,68 @@
 #pragma once
-// The fisheye lens, Kannala-Brandt ("equidistant" in Kalibr and OpenCV).
+// What is known of a lens: which model describes it, and the model's numbers. Plain data; pixels
+// and rays come from LensProjection (slam/image/lens_projection.h).
 //
-//   theta   = atan2(|(X, Y)|, Z)                      angle between the ray and the optical axis
-//   theta_d = theta (1 + k1 theta^2 + k2 theta^4 + k3 theta^6 + k4 theta^8)
-//   u = fu theta_d X / |(X, Y)| + cu,   v = fv theta_d Y / |(X, Y)| + cv
+// Camera frame: z out of the lens, x along u (columns), y along v (rows); the first pixel's centre
+// is (0, 0). All models are radial curves, rho of the angle theta between the ray and the optical
+// axis, with what some add to it (a decentring, a sheared sensor):
 //
-// Source: Kannala, Brandt, "A generic camera model and calibration method for conventional,
-// wide-angle, and fish-eye lenses", PAMI 2006. atan2 and not X/Z: rays at 90 degrees and more from
-// the axis are ordinary rays here.
+//   e = (X, Y) / |(X, Y)|, theta = atan2(|(X, Y)|, Z)
+//   m = rho(theta) e + decentring,   u = fu m_x + cu,   v = fv m_y + cv
 //
-// Camera frame: z out of the lens, x along u (columns), y along v (rows).
+// | model         | numbers                      | rho(theta) in | source of the formula |
+// |---------------|------------------------------|---------------|---------------------------------|
+// | equidistant   | k1 k2 k3 k4                  | equidistant.h | Kannala, Brandt, PAMI 2006; | |
+// |                              |               | OpenCV "fisheye", Kalibr "equi" | | radtan | k1
+// k2 p1 p2 k3               | radtan.h      | Brown 1966; OpenCV, ROS         | |               |
+// |               | "plumb_bob"; zeros: a pinhole   | | rational      | k1 k2 p1 p2 k3 k4 k5 k6 |
+// radtan.h      | OpenCV "rational polynomial"    | | fov           | w | fov.h         | Devernay,
+// Faugeras, MVA 2001    | | double_sphere | xi alpha                     | double_sphere.h | Usenko
+// et al., 3DV 2018       | | eucm          | alpha beta                   | eucm.h        |
+// Khomutenko et al., RA-L 2016    | | omni          | xi k1 k2 p1 p2               | omni.h | Mei,
+// Rives, ICRA 2007           | | scaramuzza    | c d e, polynomial,           | scaramuzza.h  |
+// Scaramuzza et al., ICVS 2006;   | |               | inverse_polynomial           | | OCamCalib |
 
 #include <array>
-#include <cmath>
-
-#include <Eigen/Core>
+#include <cstdint>
 
 namespace zenith {
+
+enum class LensModel : std::uint8_t {
+  kEquidistant,
+  kRadtan,
+  kRational,
+  kFov,
+  kDoubleSphere,
+  kEucm,
+  kOmni,
+  kScaramuzza,
+};
+inline constexpr int kLensModels = 8;
 
 struct Lens {
   int width_px = 640;
   int height_px = 480;
-  double fu_px = 150.0;
+  double fu_px = 150.0;  // scaramuzza: 1, its polynomial is in pixels
   double fv_px = 150.0;
   double cu_px = 320.0;
   double cv_px = 240.0;
-  std::array<double, 4> k = {0.0, 0.0, 0.0, 0.0};
+  std::array<double, 6> k = {};  // radial
+  LensModel model = LensModel::kEquidistant;
+  std::array<double, 2> p = {};  // decentring
+  double xi = 0.0;
+  double alpha = 0.0;
+  double beta = 1.0;
+  double w = 0.0;  // rad
+  // Scaramuzza's: (v, u) = [c d; e 1] (rho e_y, rho e_x) + (cv, cu); a0 a1 .. below zero on the
+  // axis, as OCamCalib writes them; zeros behind the last. An inverse polynomial that is not given
+  // is all zeros.
+  double c = 1.0;
+  double d = 0.0;
+  double e = 0.0;
+  std::array<double, 12> polynomial = {};
+  std::array<double, 32> inverse_polynomial = {};
 
-  double distort(double theta_rad) const {
-    const double t2 = theta_rad * theta_rad;
-    return theta_rad * (1.0 + t2 * (k[0] + t2 * (k[1] + t2 * (k[2] + t2 * k[3]))));
-  }
-
-  // Pixel coordinates (u, v) of a ray in the camera frame; the ray needs no unit length.
-  Eigen::Vector2d project(const Eigen::Vector3d& ray) const {
-    const double r = std::hypot(ray.x(), ray.y());
-    if (r < 1e-12) return {cu_px, cv_px};
-    const double scale = distort(std::atan2(r, ray.z())) / r;
-    return {fu_px * scale * ray.x() + cu_px, fv_px * scale * ray.y() + cv_px};
-  }
-
-  // Unit ray in the camera frame of a pixel: the inverse of project(), by Newton's method.
-  Eigen::Vector3d unproject(const Eigen::Vector2d& uv) const {
-    const double mx = (uv.x() - cu_px) / fu_px;
-    const double my = (uv.y() - cv_px) / fv_px;
-    const double theta_d = std::hypot(mx, my);
-    if (theta_d < 1e-12) return {0.0, 0.0, 1.0};
-    double theta = theta_d;
-    for (int i = 0; i < 12; ++i) {
-      const double t2 = theta * theta;
-      const double slope =
-          1.0 + t2 * (3.0 * k[0] + t2 * (5.0 * k[1] + t2 * (7.0 * k[2] + t2 * 9.0 * k[3])));
-      if (std::abs(slope) < 1e-9) break;
-      theta -= (distort(theta) - theta_d) / slope;
-    }
-    const double s = std::sin(theta) / theta_d;
-    return {mx * s, my * s, std::cos(theta)};
-  }
+  bool operator==(const Lens&) const = default;
 };
 
 }  // namespace zenith

@@ -4,6 +4,8 @@
 
 #include <Eigen/Geometry>
 
+#include "slam/image/lens_projection.h"
+
 namespace zenith {
 
 Eigen::Matrix3d mount_rotation(const CameraMount& mount) {
@@ -28,13 +30,16 @@ void Rectifier::layout(Arena& arena) {
 void Rectifier::build(const Lens& lens, const CameraMount& mount, const Pinhole& pinhole) {
   frame_width_ = lens.width_px;
   frame_height_ = lens.height_px;
+  const LensProjection projection(lens);
   const Eigen::Matrix3d R_camera_base = mount_rotation(mount).transpose();
   for (int v = 0; v < kRectifiedSize; ++v) {
     for (int u = 0; u < kRectifiedSize; ++u) {
       const Eigen::Vector2d m = pinhole.normalise(u, v);
-      const Eigen::Vector2d at = lens.project(R_camera_base * Eigen::Vector3d(m.x(), m.y(), 1.0));
+      const auto pixel = projection.project(R_camera_base * Eigen::Vector3d(m.x(), m.y(), 1.0));
       RemapEntry& entry = table_[static_cast<std::size_t>(v * kRectifiedSize + u)];
       entry = {};
+      if (!pixel) continue;
+      const Eigen::Vector2d& at = *pixel;
       const double fu = std::floor(at.x());
       const double fv = std::floor(at.y());
       // Written so that what is no number lies outside.

@@ -3,6 +3,7 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "slam/image/lens_projection.h"
 #include "slam/image/rectify.h"
 #include "slam/robot.h"
 
@@ -15,12 +16,14 @@ struct OpenCvMaps {
   explicit OpenCvMaps(const RobotConfig& robot) {
     const Pinhole pinhole = Pinhole::from_fov(2.0944);
     const Eigen::Matrix3d R = mount_rotation(robot.mount).transpose();
+    const LensProjection projection(robot.lens);
     cv::Mat map_u(kRectifiedSize, kRectifiedSize, CV_32F);
     cv::Mat map_v(kRectifiedSize, kRectifiedSize, CV_32F);
     for (int v = 0; v < kRectifiedSize; ++v) {
       for (int u = 0; u < kRectifiedSize; ++u) {
         const Eigen::Vector2d m = pinhole.normalise(u, v);
-        const Eigen::Vector2d at = robot.lens.project(R * Eigen::Vector3d(m.x(), m.y(), 1.0));
+        const Eigen::Vector2d at =
+            projection.project(R * Eigen::Vector3d(m.x(), m.y(), 1.0)).value();
         map_u.at<float>(v, u) = static_cast<float>(at.x());
         map_v.at<float>(v, u) = static_cast<float>(at.y());
       }

@@ -84,7 +84,8 @@ bool is_slam(Room room) {
 // Data types of the core that those outside may pass around.
 bool is_plain_slam_type(std::string_view path) {
   return room_of(path) == Room::kSlamCommon || path == "slam/image/image.h" ||
-         path == "slam/image/lens.h" || path == "slam/fleet/record.h";
+         path == "slam/image/lens.h" || path == "slam/image/lens_extent.h" ||
+         path == "slam/image/lens_projection.h" || path == "slam/fleet/record.h";
 }
 
 // "drivers/odometry/codec.h" -> "drivers/odometry/"

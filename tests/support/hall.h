@@ -11,7 +11,7 @@
 
 #include "slam/geometry.h"
 #include "slam/image/image.h"
-#include "slam/image/lens.h"
+#include "slam/image/lens_projection.h"
 #include "slam/robot.h"
 
 namespace zenith {
@@ -48,9 +48,10 @@ class Hall {
   static constexpr double kTile_m = 0.23;
 
   std::size_t make_rays() {
+    const LensProjection projection(lens_);
     for (int v = 0; v < lens_.height_px; ++v) {
       for (int u = 0; u < lens_.width_px; ++u) {
-        const Eigen::Vector3d ray = lens_.unproject({u, v});
+        const Eigen::Vector3d ray = projection.unproject({u, v}).value_or(Eigen::Vector3d::UnitX());
         rays_.push_back(ray.head<2>() * kCeiling_m / std::max(ray.z(), 0.05));
       }
     }

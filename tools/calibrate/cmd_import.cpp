@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <memory>
 
+#include "platform/config/lens_settings.h"
 #include "tools/calibrate/commands.h"
 #include "tools/calibrate/import.h"
 #include "tools/calibrate/result_files.h"
@@ -13,8 +14,8 @@ namespace {
 
 constexpr const char* kHelp =
     R"(Reads the calibration of a lens: Kalibr's camchain.yaml, OpenCV's yaml, ROS's
-camera_info yaml, Basalt's json. Fisheye lenses (equidistant, Kannala-Brandt) are taken as they are;
-other models are fitted, and the error that remains is told; what cannot be fitted within a pixel is refused.
+camera_info yaml, Basalt's json. The lens is taken as it is, in its own model: the table of models is
+in docs/calibration.md. What no camera can have is refused with the reason.
 
 OpenCV's files do not say which model they mean: four coefficients are taken for cv::fisheye's.
 
@@ -58,12 +59,8 @@ int run_import(const ImportCommand& command) {
   const Lens& lens = imported->lens;
   std::printf("%s, %s, %d x %d pixels, out to %.0f degrees\n", chosen->format.c_str(),
               chosen->model.c_str(), lens.width_px, lens.height_px, imported->widest_deg);
-  if (!imported->exact) {
-    std::printf("fitted by an equidistant lens: %.3f px root mean square, %.3f px at worst\n",
-                imported->rms_px, imported->worst_px);
-  }
-  std::printf("fu %.4f  fv %.4f  cu %.4f  cv %.4f\nk  %.8f  %.8f  %.8f  %.8f\n", lens.fu_px,
-              lens.fv_px, lens.cu_px, lens.cv_px, lens.k[0], lens.k[1], lens.k[2], lens.k[3]);
+  std::printf("%s\n", lens_text(lens).c_str());
+  if (!imported->note.empty()) warn({imported->note});
   if (imported->widest_deg < 50.0) {
     warn({"the lens is narrow: a wider one sees more of the ceiling, and the map needs it"});
   }

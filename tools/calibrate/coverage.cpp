@@ -4,25 +4,30 @@
 #include <cmath>
 #include <numbers>
 
+#include "slam/image/lens_projection.h"
+
 namespace zenith::tools {
 namespace {
 
 constexpr double kDegPerRad = 180.0 / std::numbers::pi;
 
-bool shows(const Lens& lens, int ring, int sector) {
+bool shows(const LensProjection& lens, int ring, int sector) {
   const double theta = 0.5 * (kRingEdges_deg[ring] + kRingEdges_deg[ring + 1]) / kDegPerRad;
   const double azimuth = sector * 2.0 * std::numbers::pi / kSectors;
-  const Eigen::Vector2d uv = lens.project(
+  const auto uv = lens.project(
       {std::sin(theta) * std::cos(azimuth), std::sin(theta) * std::sin(azimuth), std::cos(theta)});
-  return uv.x() >= 0.0 && uv.y() >= 0.0 && uv.x() < lens.width_px && uv.y() < lens.height_px;
+  return uv && lens.in_image(*uv);
 }
 
 }  // namespace
 
 Coverage coverage_of(const Lens& lens, const std::vector<Eigen::Vector2d>& corners_px) {
+  const LensProjection projection(lens);
   Coverage coverage;
   for (const Eigen::Vector2d& corner : corners_px) {
-    const Eigen::Vector3d ray = lens.unproject(corner);
+    const auto seen = projection.unproject(corner);
+    if (!seen) continue;
+    const Eigen::Vector3d& ray = *seen;
     const double theta_deg = std::atan2(ray.head<2>().norm(), ray.z()) * kDegPerRad;
     coverage.farthest_deg = std::max(coverage.farthest_deg, theta_deg);
     const double turn = std::atan2(ray.y(), ray.x()) / (2.0 * std::numbers::pi) * kSectors;
@@ -38,7 +43,7 @@ Coverage coverage_of(const Lens& lens, const std::vector<Eigen::Vector2d>& corne
     for (int sector = 0; sector < kSectors; ++sector) {
       CoverageCell& cell =
           coverage.cells[static_cast<std::size_t>(ring)][static_cast<std::size_t>(sector)];
-      cell.visible = shows(lens, ring, sector);
+      cell.visible = shows(projection, ring, sector);
       coverage.visible += cell.visible;
       coverage.covered += cell.visible && cell.enough();
     }

@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 
 #include "platform/recording/sensor_file.h"
+#include "slam/image/lens_projection.h"
 #include "slam/image/rectify.h"
 #include "tools/doctor/formatted.h"
 
@@ -134,7 +135,9 @@ void list_estimates(const DriveData& data, double scale_sigma, DriveCalibration&
   const auto sigma = [&s](int i) { return std::sqrt(s.covariance(i, i)); };
   const double ratio = std::hypot(sigma(5), kWheelDrift);
   const double track = std::hypot(sigma(6), kWheelDrift * wheels.track_width_m);
-  const double lean_deg = kCentre_px / data.believed.lens.fu_px * kDegPerRad;
+  const Lens& lens = data.believed.lens;
+  const double focal_px = lens.fu_px * LensProjection(lens).axis_slope();
+  const double lean_deg = kCentre_px / focal_px * kDegPerRad;
   const double by_scale = scale_sigma * wheels.track_width_m;
   c.estimates = {
       {"mount.roll_deg", "deg", was.roll_rad * kDegPerRad, now.roll_rad * kDegPerRad,

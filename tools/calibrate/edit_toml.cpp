@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <sstream>
+#include <utility>
 
 #include "platform/config/setting.h"
 #include "platform/config/toml_text.h"
@@ -72,16 +73,21 @@ void set_value(std::vector<std::string>& lines, const std::string& full_key,
   lines.insert(lines.begin() + static_cast<std::ptrdiff_t>(*last + 1), key + " = " + value);
 }
 
+bool is_same(const toml::node_view<const toml::node>& a,
+             const toml::node_view<const toml::node>& b) {
+  if (a.is_array() && b.is_array()) return *a.as_array() == *b.as_array();
+  if (a.is_string() && b.is_string()) return *a.as_string() == *b.as_string();
+  return a.value<double>().has_value() && a.value<double>() == b.value<double>();
+}
+
 Status check_values(const std::filesystem::path& path, const std::string& text,
                     const TomlValues& values) {
   const toml::parse_result parsed = parse_toml(text);
   if (!parsed) return toml_error(path, parsed.error());
   for (const auto& [key, value] : values) {
     const auto wanted = toml::parse("v = " + value);
-    const auto found = parsed.table().at_path(key);
-    const bool same =
-        wanted && found && found.value<double>() == wanted.table()["v"].value<double>();
-    if (same) continue;
+    const auto found = std::as_const(parsed.table()).at_path(key);
+    if (wanted && found && is_same(found, std::as_const(wanted.table())["v"])) continue;
     return Error{path.string() + ": " + key + " = " + value +
                  " cannot be written without changing the file's layout; it is written in a way "
                  "that only a person can edit, so set it by hand"};
@@ -97,6 +103,13 @@ std::string edited_toml(const std::string& text, const TomlValues& values) {
   std::string out;
   for (const std::string& line : lines) out += line + "\n";
   return out;
+}
+
+bool has_toml_key(const std::filesystem::path& path, const std::string& key) {
+  const auto text = read_toml(path);
+  if (!text) return false;
+  const toml::parse_result parsed = parse_toml(*text);
+  return parsed && parsed.table().at_path(key);
 }
 
 Status edit_toml_file(const std::filesystem::path& path, const TomlValues& values) {

@@ -17,6 +17,9 @@ using TomlValues = std::vector<std::pair<std::string, std::string>>;
 // section that is not there at the end.
 std::string edited_toml(const std::string& text, const TomlValues& values);
 
+// Whether the file has the key; not one that does not exist or is not TOML.
+bool has_toml_key(const std::filesystem::path& path, const std::string& key);
+
 // The same of a file, atomically. One that does not exist is made. The result is read back before
 // it takes the old one's place: an error, and the file stays as it was, when it is not as meant.
 Status edit_toml_file(const std::filesystem::path& path, const TomlValues& values);

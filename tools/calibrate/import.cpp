@@ -1,104 +1,103 @@
 #include "tools/calibrate/import.h"
 
-#include <algorithm>
-#include <cmath>
+#include <array>
 #include <numbers>
 
-#include <Eigen/Cholesky>
-
-#include "platform/config/robot_settings.h"
-#include "tools/calibrate/foreign_models.h"
-#include "tools/calibrate/projection.h"
-#include "tools/doctor/formatted.h"
+#include "platform/config/lens_settings.h"
+#include "slam/image/lens_extent.h"
 
 namespace zenith::tools {
 namespace {
 
-constexpr double kDegPerRad = 180.0 / std::numbers::pi;
-constexpr double kMost_px = 1.0;  // error of a fitted lens, anywhere
-
-struct Seen {
-  Eigen::Vector3d ray;
-  Eigen::Vector2d uv;
+// How a model's numbers stand in files: so many before fu, fv, cu, cv, then the distortion.
+struct ForeignModel {
+  const char* name;
+  LensModel model;
+  std::size_t least_distortion;
+  std::size_t most_distortion;  // more than the model has: those behind must be zero
 };
 
-// Rays all over the image, as the foreign lens shows them.
-std::vector<Seen> sample_rays(const ForeignLens& foreign) {
-  std::vector<Seen> seen;
-  for (int ring = 0; ring < 60; ++ring) {
-    const double theta = (ring + 0.5) * 1.75 / 60.0;
-    for (int step = 0; step < 48; ++step) {
-      const double azimuth = 2.0 * std::numbers::pi * step / 48.0;
-      const Eigen::Vector3d ray(std::sin(theta) * std::cos(azimuth),
-                                std::sin(theta) * std::sin(azimuth), std::cos(theta));
-      const auto uv = project_foreign(foreign, ray);
-      if (!uv || uv->x() < 0.0 || uv->y() < 0.0 || uv->x() > foreign.width_px - 1 ||
-          uv->y() > foreign.height_px - 1) {
-        continue;
-      }
-      seen.push_back({ray, *uv});
-    }
+constexpr auto kModels = std::to_array<ForeignModel>({
+    {"pinhole-equi", LensModel::kEquidistant, 4, 4},
+    {"pinhole-radtan", LensModel::kRadtan, 4, 5},
+    {"pinhole-rational", LensModel::kRational, 8, 14},
+    {"pinhole-none", LensModel::kRadtan, 0, 5},
+    {"pinhole-fov", LensModel::kFov, 1, 1},
+    {"omni-radtan", LensModel::kOmni, 4, 4},
+    {"omni-none", LensModel::kOmni, 0, 4},
+    {"eucm-none", LensModel::kEucm, 0, 4},
+    {"ds-none", LensModel::kDoubleSphere, 0, 4},
+});
+
+std::size_t projection_numbers(LensModel model) {
+  switch (model) {
+    case LensModel::kOmni:
+      return 1;
+    case LensModel::kEucm:
+    case LensModel::kDoubleSphere:
+      return 2;
+    default:
+      return 0;
   }
-  return seen;
 }
 
-// Gauss and Newton's method; the model is nearly linear in its numbers.
-Lens fitted(const std::vector<Seen>& seen, Lens lens) {
-  for (int i = 0; i < 30; ++i) {
-    LensMatrix H = LensMatrix::Identity() * 1e-9;
-    LensVector g = LensVector::Zero();
-    for (const Seen& s : seen) {
-      const Projection p = project_with_derivatives(lens, s.ray);
-      H += p.by_lens.transpose() * p.by_lens;
-      g += p.by_lens.transpose() * (s.uv - p.uv_px);
-    }
-    const LensVector step = H.ldlt().solve(g);
-    lens = lens_of_vector(lens_vector(lens) + step, lens.width_px, lens.height_px);
-    if (step.norm() < 1e-10) break;
+Result<const ForeignModel*> find_foreign_model(const std::string& name) {
+  std::string known;
+  for (const ForeignModel& model : kModels) {
+    if (name == model.name) return &model;
+    known += (known.empty() ? "" : ", ") + std::string(model.name);
   }
-  return lens;
+  return Error{"expected a lens of one of the models " + known + "; found '" + name +
+               "'; calibrate with `zenith calibrate lens`"};
+}
+
+Status check_counts(const ForeignLens& foreign, const ForeignModel& model) {
+  const std::size_t intrinsics = projection_numbers(model.model) + 4;
+  if (foreign.intrinsics.size() != intrinsics) {
+    return Error{foreign.model + ": expected " + std::to_string(intrinsics) +
+                 " intrinsics, found " + std::to_string(foreign.intrinsics.size())};
+  }
+  const std::size_t found = foreign.distortion.size();
+  if (found < model.least_distortion || found > model.most_distortion) {
+    return Error{foreign.model + ": expected " + std::to_string(model.least_distortion) + " to " +
+                 std::to_string(model.most_distortion) + " distortion coefficients, found " +
+                 std::to_string(found)};
+  }
+  return {};
 }
 
 }  // namespace
 
 Result<ImportedLens> import_lens(const ForeignLens& foreign) {
-  if (const Status known = check_model(foreign); !known) return known.error();
+  const auto model = find_foreign_model(foreign.model);
+  if (!model) return model.error();
+  if (const Status counted = check_counts(foreign, **model); !counted) return counted.error();
   if (foreign.width_px < 16 || foreign.height_px < 16) {
     return Error{"expected the size of the image, found none"};
   }
-  const auto f = foreign.intrinsics.end() - 4;
   ImportedLens out;
-  out.lens = {foreign.width_px, foreign.height_px, f[0], f[1], f[2], f[3], {}};
-  const std::vector<Seen> seen = sample_rays(foreign);
-  if (seen.size() < 100) return Error{"the lens shows nothing in its image: its numbers are wrong"};
-  for (const Seen& s : seen) {
-    out.widest_deg =
-        std::max(out.widest_deg, std::atan2(s.ray.head<2>().norm(), s.ray.z()) * kDegPerRad);
-  }
-  if (foreign.model == "pinhole-equi") {
-    std::copy_n(foreign.distortion.begin(), 4, out.lens.k.begin());
-  } else {
-    out.exact = false;
-    out.lens = fitted(seen, out.lens);
-    double sum = 0.0;
-    for (const Seen& s : seen) {
-      const double off = (out.lens.project(s.ray) - s.uv).norm();
-      sum += off * off;
-      out.worst_px = std::max(out.worst_px, off);
-    }
-    out.rms_px = std::sqrt(sum / static_cast<double>(seen.size()));
-    if (!(out.worst_px <= kMost_px)) {
-      return Error{
-          formatted("no equidistant lens comes nearer than %.1f px to this one (%s), "
-                    "expected 1 px: calibrate with `zenith calibrate lens`",
-                    out.worst_px, foreign.model.c_str())};
+  Lens& lens = out.lens;
+  lens.model = (*model)->model;
+  lens.width_px = foreign.width_px;
+  lens.height_px = foreign.height_px;
+  const std::size_t extra = projection_numbers(lens.model);
+  const auto numbers = lens_numbers(lens.model);
+  for (std::size_t i = 0; i < extra; ++i) numbers[i].at(lens) = foreign.intrinsics[i];
+  lens.fu_px = foreign.intrinsics[extra];
+  lens.fv_px = foreign.intrinsics[extra + 1];
+  lens.cu_px = foreign.intrinsics[extra + 2];
+  lens.cv_px = foreign.intrinsics[extra + 3];
+  for (std::size_t i = 0; i < foreign.distortion.size(); ++i) {
+    if (extra + i < numbers.size()) {
+      numbers[extra + i].at(lens) = foreign.distortion[i];
+    } else if (foreign.distortion[i] != 0.0) {
+      return Error{foreign.model + ": the distortion coefficient " + std::to_string(i + 1) +
+                   " is not zero; thin prism and tilt are not known here"};
     }
   }
-  if (foreign.model == "pinhole-equi" && folds(out.lens)) {
-    return Error{
-        "the lens's curve folds back within 75 degrees of the axis: its views did not "
-        "reach the rim; calibrate with `zenith calibrate lens`"};
-  }
+  if (const Status good = check_lens(lens); !good) return good.error();
+  out.widest_deg = lens_extent(LensProjection(lens)).widest_rad * 180.0 / std::numbers::pi;
+  out.note = lens_note(lens);
   return out;
 }
 

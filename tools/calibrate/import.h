@@ -2,9 +2,7 @@
 // Lenses that other programs calibrated: Kalibr's camchain, OpenCV's FileStorage, ROS's
 // camera_info, Basalt's JSON.
 //
-// Equidistant lenses (Kannala-Brandt) are taken as they are. Others (plumb_bob and
-// rational_polynomial of narrow lenses, omni and ds and eucm of wide ones) are fitted: the
-// equidistant lens that shows the same rays at the same pixels, with the error that remains.
+// Lenses are taken as they are, in their own model (slam/image/lens.h).
 
 #include <cstdint>
 #include <filesystem>
@@ -38,13 +36,11 @@ Result<std::vector<ForeignLens>> read_foreign_lenses(const std::filesystem::path
 
 struct ImportedLens {
   Lens lens;
-  bool exact = true;    // the same model
-  double rms_px = 0.0;  // of a fitted one, over the whole image
-  double worst_px = 0.0;
   double widest_deg = 0.0;  // from the axis, in the image
+  std::string note;         // lens_note()
 };
 
-// Refused when no equidistant lens comes near to it.
+// Refused when the model is none of slam/image/lens.h, or check_lens() refuses it.
 Result<ImportedLens> import_lens(const ForeignLens& foreign);
 
 }  // namespace zenith::tools

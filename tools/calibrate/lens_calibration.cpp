@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "platform/config/robot_settings.h"
+#include "platform/config/lens_settings.h"
 #include "tools/calibrate/median.h"
 #include "tools/doctor/formatted.h"
 
@@ -185,10 +185,10 @@ void judge(LensCalibration& c) {
                   "lean, and near ones",
                   100.0 * c.focal_sigma()));
   }
-  if (folds(c.fit.lens)) {
-    j.lower(Worth::kAgain,
-            "the lens's curve folds back within 75 degrees of the axis, which no lens does: take "
-            "views nearer to the rim");
+  if (const Status good = check_lens(c.fit.lens); !good) {
+    j.lower(Worth::kAgain, "no camera has such a lens: " + good.error().message);
+  } else if (const std::string note = lens_note(c.fit.lens); !note.empty()) {
+    j.lower(Worth::kUsable, note + ": take views nearer to the rim");
   }
   const std::size_t refused = c.images.size() - c.views.size();
   if (2 * refused > c.images.size()) {

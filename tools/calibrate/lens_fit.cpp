@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/SVD>
 
+#include "slam/image/lens_projection.h"
 #include "tools/calibrate/median.h"
 
 namespace zenith::tools {
@@ -175,6 +176,7 @@ std::optional<Lens> best_start(const std::vector<BoardView>& views, int width_px
 }  // namespace
 
 std::optional<BoardPose> pose_from_rays(const Lens& lens, const BoardView& view) {
+  const LensProjection projection(lens);
   const auto count = static_cast<Eigen::Index>(view.board_m.size());
   Eigen::MatrixXd A(3 * count, 9);
   std::vector<Eigen::Vector3d> rays;
@@ -184,7 +186,9 @@ std::optional<BoardPose> pose_from_rays(const Lens& lens, const BoardView& view)
   for (const auto& p : view.board_m) size = std::max(size, (p - mean).norm());
   for (Eigen::Index i = 0; i < count; ++i) {
     const Eigen::Vector2d p = (view.board_m[static_cast<std::size_t>(i)] - mean) / size;
-    rays.push_back(lens.unproject(view.seen_px[static_cast<std::size_t>(i)]));
+    const auto ray = projection.unproject(view.seen_px[static_cast<std::size_t>(i)]);
+    if (!ray) return std::nullopt;
+    rays.push_back(*ray);
     const Eigen::Matrix3d cross = cross_matrix(rays.back());
     A.block<3, 3>(3 * i, 0) = p.x() * cross;
     A.block<3, 3>(3 * i, 3) = p.y() * cross;
@@ -217,7 +221,7 @@ std::vector<Eigen::Vector2d> residuals(const Lens& lens, const BoardPose& pose,
   std::vector<Eigen::Vector2d> out;
   out.reserve(view.board_m.size());
   for (std::size_t i = 0; i < view.board_m.size(); ++i) {
-    out.push_back(view.seen_px[i] - lens.project(pose.in_camera(view.board_m[i])));
+    out.push_back(view.seen_px[i] - project_equidistant(lens, pose.in_camera(view.board_m[i])));
   }
   return out;
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "slam/image/lens_projection.h"
 #include "tools/doctor/formatted.h"
 #include "tools/report/canvas.h"
 
@@ -22,8 +23,9 @@ constexpr Colour kCurve{213, 94, 0};
 struct ImageFrame {
   double scale = 1.0;
   const Lens& lens;
+  LensProjection projection;
 
-  explicit ImageFrame(const Lens& l) : scale(kImageWidth_px / l.width_px), lens(l) {}
+  explicit ImageFrame(const Lens& l) : scale(kImageWidth_px / l.width_px), lens(l), projection(l) {}
   double height() const { return scale * lens.height_px; }
   Eigen::Vector2d at(const Eigen::Vector2d& uv) const {
     return {kMargin_px + scale * (uv.x() + 0.5), kTitle_px + scale * (uv.y() + 0.5)};
@@ -31,9 +33,12 @@ struct ImageFrame {
   bool holds(const Eigen::Vector2d& uv) const {
     return uv.x() >= -0.5 && uv.y() >= -0.5 && uv.x() < lens.width_px && uv.y() < lens.height_px;
   }
+  // Outside of the image where the lens shows no such direction.
   Eigen::Vector2d direction(double theta, double azimuth) const {
-    return lens.project({std::sin(theta) * std::cos(azimuth), std::sin(theta) * std::sin(azimuth),
-                         std::cos(theta)});
+    return projection
+        .project({std::sin(theta) * std::cos(azimuth), std::sin(theta) * std::sin(azimuth),
+                  std::cos(theta)})
+        .value_or(Eigen::Vector2d(-1e6, -1e6));
   }
 };
 
@@ -111,12 +116,15 @@ void draw_radial(Canvas& canvas, const LensCalibration& c, double top, double he
   }
   canvas.text({left + 0.5 * width, top + height + 48.0},
               "degrees from the optical axis; error along the radius", 11.0, kInk, Anchor::kCentre);
+  const LensProjection projection(c.fit.lens);
   std::array<double, 19> sum = {};
   std::array<int, 19> count = {};
   for (std::size_t i = 0; i < c.views.size(); ++i) {
     const auto off = residuals(c.fit.lens, c.fit.poses[i], c.views[i]);
     for (std::size_t k = 0; k < off.size(); ++k) {
-      const Eigen::Vector3d ray = c.fit.lens.unproject(c.views[i].seen_px[k]);
+      const auto seen = projection.unproject(c.views[i].seen_px[k]);
+      if (!seen) continue;
+      const Eigen::Vector3d& ray = *seen;
       const double theta = std::atan2(ray.head<2>().norm(), ray.z()) * 180.0 / kPi;
       const double radial = off[k].dot(ray.head<2>().normalized());
       canvas.disc(at(theta, radial), 1.4, kDot);

@@ -1,9 +1,12 @@
 #pragma once
-// The fisheye projection of slam/image/lens.h with its derivatives.
+// The equidistant projection with its derivatives, for fits: without the end of the lens's curve,
+// which a fit may cross on its way.
+
+#include <cmath>
 
 #include <Eigen/Core>
 
-#include "slam/image/lens.h"
+#include "slam/image/lens/equidistant.h"
 
 namespace zenith::tools {
 
@@ -18,10 +21,17 @@ struct Projection {
   Eigen::Matrix<double, 2, 3> by_point;
 };
 
-// Of a point in the camera frame.
+// Pixel of a point in the camera frame.
+inline Eigen::Vector2d project_equidistant(const Lens& lens, const Eigen::Vector3d& p) {
+  const double r = std::hypot(p.x(), p.y());
+  if (r < 1e-12) return {lens.cu_px, lens.cv_px};
+  const double scale = equidistant::rho(lens, std::atan2(r, p.z())) / r;
+  return {lens.fu_px * scale * p.x() + lens.cu_px, lens.fv_px * scale * p.y() + lens.cv_px};
+}
+
 inline Projection project_with_derivatives(const Lens& lens, const Eigen::Vector3d& p) {
   Projection out;
-  out.uv_px = lens.project(p);
+  out.uv_px = project_equidistant(lens, p);
   out.by_lens.setZero();
   out.by_lens(0, 2) = 1.0;
   out.by_lens(1, 3) = 1.0;
@@ -33,10 +43,8 @@ inline Projection project_with_derivatives(const Lens& lens, const Eigen::Vector
   }
   const double theta = std::atan2(r, p.z());
   const double t2 = theta * theta;
-  const auto& k = lens.k;
-  const double td = lens.distort(theta);
-  const double slope =
-      1.0 + t2 * (3.0 * k[0] + t2 * (5.0 * k[1] + t2 * (7.0 * k[2] + t2 * 9.0 * k[3])));
+  const double td = equidistant::rho(lens, theta);
+  const double slope = equidistant::slope(lens, theta);
   const double n2 = r2 + p.z() * p.z();
   const Eigen::Vector2d e = p.head<2>() / r;
   const double along = slope * p.z() / n2;  // derivative of theta_d along the radius

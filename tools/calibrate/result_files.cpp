@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <numbers>
 
+#include "platform/config/lens_settings.h"
 #include "platform/recording/layout.h"
 #include "platform/recording/sensor_file.h"
 #include "tools/atomic_output.h"
@@ -23,6 +24,7 @@ std::string toml_number(double value, int digits) {
 }
 
 Status write_sensor_file(const std::filesystem::path& path, const Lens& lens) {
+  if (const Status good = check_lens(lens); !good) return good;
   SensorFile sensor;
   std::error_code code;
   if (std::filesystem::exists(path, code)) {
@@ -35,15 +37,16 @@ Status write_sensor_file(const std::filesystem::path& path, const Lens& lens) {
 }
 
 Status write_lens(const std::filesystem::path& path, const Lens& lens) {
+  if (const Status good = check_lens(lens); !good) return good;
   if (is_recording(path)) return write_sensor_file(layout::sensor(path), lens);
-  TomlValues values = {{"lens.width_px", std::to_string(lens.width_px)},
-                       {"lens.height_px", std::to_string(lens.height_px)},
-                       {"lens.fu_px", toml_number(lens.fu_px, 4)},
-                       {"lens.fv_px", toml_number(lens.fv_px, 4)},
-                       {"lens.cu_px", toml_number(lens.cu_px, 4)},
-                       {"lens.cv_px", toml_number(lens.cv_px, 4)}};
-  for (std::size_t i = 0; i < 4; ++i) {
-    values.emplace_back("lens.k" + std::to_string(i + 1), toml_number(lens.k[i], 8));
+  // Keys of other models go back to their defaults where the file has them.
+  Lens copy = lens;
+  TomlValues values;
+  for (const Setting& setting : lens_settings(copy)) {
+    const bool own = lens_model_has(lens.model, split_key(setting.key).second);
+    if (own || has_toml_key(path, setting.key)) {
+      values.emplace_back(setting.key, toml_value(setting));
+    }
   }
   return edit_toml_file(path, values);
 }

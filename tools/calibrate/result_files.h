@@ -13,7 +13,7 @@ namespace zenith::tools {
 // Whether `path` is the folder of a recording.
 bool is_recording(const std::filesystem::path& path);
 
-// A new lens. The mount and the rate of a recording stay.
+// A new lens, which check_lens() has to pass. The mount and the rate of a recording stay.
 Status write_lens(const std::filesystem::path& path, const Lens& lens);
 
 // Mount and wheels, and by how much the base's frames are late.

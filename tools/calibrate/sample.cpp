@@ -129,7 +129,7 @@ bool SampleCamera::in_view(const BoardPose& pose) const {
   for (const double a : {0.0, 0.5, 1.0}) {
     for (const double b : {0.0, 0.5, 1.0}) {
       const Eigen::Vector3d p = pose.in_camera({a * target_.width_m(), b * target_.height_m()});
-      const Eigen::Vector2d uv = lens_.project(p);
+      const Eigen::Vector2d uv = project_equidistant(lens_, p);
       if (uv.x() < kMargin_px || uv.x() > lens_.width_px - 1 - kMargin_px) return false;
       if (uv.y() < kMargin_px || uv.y() > lens_.height_px - 1 - kMargin_px) return false;
       const double angle = std::atan2(p.head<2>().norm(), p.z());

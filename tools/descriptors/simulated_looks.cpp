@@ -10,6 +10,7 @@
 #include "sim/simulation.h"
 #include "sim/skyline.h"
 #include "sim/world.h"
+#include "slam/image/lens_projection.h"
 #include "tools/descriptors/extractor.h"
 #include "tools/descriptors/looks.h"
 
@@ -38,7 +39,8 @@ struct Place {
 class TrueCamera {
  public:
   TrueCamera(const RobotConfig& believed, const RobotConfig& truth, const sim::FloorPlan& plan)
-      : believed_(believed),
+      : believed_lens_(believed.lens),
+        true_lens_(truth.lens),
         truth_(truth),
         R_believed_(mount_rotation(believed.mount)),
         R_truth_(mount_rotation(truth.mount)),
@@ -53,9 +55,11 @@ class TrueCamera {
 
   std::optional<Sighting> sight(const Feature& f) const {
     const Eigen::Vector3d seen(static_cast<double>(f.zx), static_cast<double>(f.zy), 1.0);
-    const Eigen::Vector2d px = believed_.lens.project(R_believed_.transpose() * seen);
-    const Eigen::Vector3d ray = Eigen::AngleAxisd(heading_rad_, Eigen::Vector3d::UnitZ()) *
-                                (R_truth_ * truth_.lens.unproject(px));
+    const auto px = believed_lens_.project(R_believed_.transpose() * seen);
+    const auto in_camera = px ? true_lens_.unproject(*px) : std::nullopt;
+    if (!in_camera) return {};
+    const Eigen::Vector3d ray =
+        Eigen::AngleAxisd(heading_rad_, Eigen::Vector3d::UnitZ()) * (R_truth_ * *in_camera);
     const double slope = ray.z() / std::max(std::hypot(ray.x(), ray.y()), 1e-9);
     if (slope <= static_cast<double>(kMinSlope)) return {};
     const double turn = std::atan2(ray.y(), ray.x()) / (2.0 * std::numbers::pi);
@@ -76,7 +80,8 @@ class TrueCamera {
   }
 
  private:
-  RobotConfig believed_;
+  LensProjection believed_lens_;
+  LensProjection true_lens_;
   RobotConfig truth_;
   Eigen::Matrix3d R_believed_;
   Eigen::Matrix3d R_truth_;

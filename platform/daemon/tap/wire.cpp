@@ -6,6 +6,7 @@
 #include "drivers/odometry/dbc.h"
 #include "platform/base/bytes.h"
 #include "platform/base/printable.h"
+#include "platform/config/lens_settings.h"
 #include "platform/config/robot_settings.h"
 
 namespace zenith::tap {
@@ -143,32 +144,42 @@ bool is_dbc(const WheelCodecConfig& odometry, const std::string& content) {
 
 void write_robot(ByteWriter& out, const RobotConfig& config) {
   const Lens& l = config.lens;
+  out.text(lens_model_name(l.model));
   out.u32(static_cast<std::uint32_t>(l.width_px)).u32(static_cast<std::uint32_t>(l.height_px));
   out.f64(l.fu_px).f64(l.fv_px).f64(l.cu_px).f64(l.cv_px);
-  for (const double k : l.k) out.f64(k);
+  for (const LensNumber& number : lens_numbers(l.model)) out.f64(number.of(l));
+  if (l.model == LensModel::kScaramuzza) {
+    for (const double a : l.polynomial) out.f64(a);
+    for (const double b : l.inverse_polynomial) out.f64(b);
+  }
   const CameraMount& m = config.mount;
   out.f64(m.x_m).f64(m.y_m).f64(m.z_m).f64(m.roll_rad).f64(m.pitch_rad).f64(m.yaw_rad);
   const Wheels& w = config.wheels;
   out.f64(w.track_width_m).f64(w.left_scale).f64(w.right_scale).f64(config.frame_rate_hz);
 }
 
+bool read_lens(ByteReader& in, Lens& lens) {
+  const auto model = find_lens_model(in.text());
+  if (!model) return false;
+  lens.model = *model;
+  lens.width_px = static_cast<int>(std::min<std::uint32_t>(in.u32(), kMaxSide + 1));
+  lens.height_px = static_cast<int>(std::min<std::uint32_t>(in.u32(), kMaxSide + 1));
+  for (double* value : {&lens.fu_px, &lens.fv_px, &lens.cu_px, &lens.cv_px}) *value = in.f64();
+  for (const LensNumber& number : lens_numbers(*model)) number.at(lens) = in.f64();
+  if (*model == LensModel::kScaramuzza) {
+    for (double& a : lens.polynomial) a = in.f64();
+    for (double& b : lens.inverse_polynomial) b = in.f64();
+  }
+  return !in.failed() && check_lens(lens).ok();
+}
+
 bool read_robot(ByteReader& in, RobotConfig& config) {
-  bool good = true;
-  const auto side = [&] {
-    const std::uint32_t value = in.u32();
-    good = good && value >= 1 && value <= kMaxSide;
-    return static_cast<int>(std::min<std::uint32_t>(value, kMaxSide));
-  };
+  bool good = read_lens(in, config.lens);
   const auto number = [&] {
     const double value = in.f64();
     good = good && std::isfinite(value) && std::abs(value) <= kMostNumber;
     return value;
   };
-  Lens& l = config.lens;
-  l.width_px = side();
-  l.height_px = side();
-  for (double* value : {&l.fu_px, &l.fv_px, &l.cu_px, &l.cv_px}) *value = number();
-  for (double& k : l.k) k = number();
   CameraMount& m = config.mount;
   for (double* value : {&m.x_m, &m.y_m, &m.z_m, &m.roll_rad, &m.pitch_rad, &m.yaw_rad}) {
     *value = number();

@@ -35,7 +35,7 @@
 
 namespace zenith::tap {
 
-inline constexpr std::uint16_t kWireVersion = 1;
+inline constexpr std::uint16_t kWireVersion = 2;
 
 enum class MessageType : std::uint8_t { kHello = 1, kFrame, kCan, kPose, kEnd, kBusy };
 

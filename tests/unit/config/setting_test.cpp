@@ -2,7 +2,9 @@
 
 #include <unistd.h>
 
+#include <array>
 #include <fstream>
+#include <span>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -92,6 +94,25 @@ TEST_F(SettingTest, TellsWhatIsNoTomlAndNoSection) {
   EXPECT_THAT(read("camera = 3\n"), HasSubstr(":1: camera is no section"));
   EXPECT_THAT(read("[camera]\nrate_hz = nan\n"), HasSubstr(":2: camera.rate_hz is nan"));
   EXPECT_THAT(read("[camera.deep]\nmask = 4294967296\n"), HasSubstr("no whole number"));
+}
+
+TEST_F(SettingTest, AListHoldsAsManyNumbersAsItHasRoomFor) {
+  std::array<double, 3> list = {7.0, 7.0, 7.0};
+  const Settings settings = {{"a.list", "", 0, 0, "some", std::span<double>(list)}};
+  const auto parse = [&](const char* text) {
+    Problems problems(file_);
+    parse_settings(text, settings, problems);
+    return problems.any() ? problems.error().message : "";
+  };
+  EXPECT_EQ(parse("[a]\nlist = [1, -2.5]\n"), "");
+  EXPECT_EQ(list, (std::array<double, 3>{1.0, -2.5, 0.0}));
+  EXPECT_EQ(toml_value(settings[0]), "[1, -2.5]");
+  EXPECT_THAT(parse("[a]\nlist = [1, 2, 3, 4]\n"), HasSubstr(":2: a.list holds 4 numbers"));
+  EXPECT_THAT(parse("[a]\nlist = [1, nan]\n"), HasSubstr(":2: a.list holds what is no number"));
+  EXPECT_THAT(parse("[a]\nlist = [\"x\"]\n"), HasSubstr(":2: a.list holds what is no number"));
+  EXPECT_THAT(parse("[a]\nlist = 3\n"), HasSubstr(":2: a.list is no list of numbers"));
+  EXPECT_EQ(parse("[a]\nlist = []\n"), "");
+  EXPECT_EQ(toml_value(settings[0]), "[]");
 }
 
 TEST_F(SettingTest, MissingIsToldOnlyOfWhatIsRequired) {

@@ -61,7 +61,8 @@ TEST_F(ConfigTest, TellsWhatDoesNotGoTogetherWithItsLine) {
                     HasSubstr(":4: lens.cu_px lies outside of the frame"),
                     HasSubstr(":6: realtime.cpus: expected CPUs"),
                     HasSubstr(":8: load.corners_min is above slam.corners_max")));
-  EXPECT_THAT(refusal("[lens]\nk1 = -2\n"), HasSubstr(":2: lens.k1 .. k4 fold the image"));
+  EXPECT_THAT(refusal("[lens]\nk1 = -2\n"),
+              HasSubstr(":2: lens.k1 and the other numbers (k1 k2 k3 k4) fold the image over"));
   EXPECT_THAT(refusal("[leds]\nstatus = \"lamp\"\n"), HasSubstr(":2: leds: "));
   EXPECT_THAT(refusal("[telemetry]\nsocket = \"\"\n"), HasSubstr(":2: telemetry.socket is empty"));
   EXPECT_THAT(refusal("[odometry]\ncodec = \"vesc\"\n[odometry.vesc]\nleft_id = 1\n"),

@@ -9,6 +9,7 @@
 #include "platform/base/printable.h"
 #include "platform/base/random.h"
 #include "platform/config/robot_settings.h"
+#include "tests/support/lenses.h"
 #include "tests/support/seeds.h"
 
 namespace zenith::tap {
@@ -69,6 +70,16 @@ TEST(TapWire, HelloTellsAllOfTheRobot) {
   EXPECT_EQ(read->odometry.vesc.quantity, WheelQuantity::kVelocity);
   EXPECT_EQ(read->odometry.dbc.file, "some/base.dbc");
   EXPECT_EQ(read->dbc, hello.dbc);
+}
+
+TEST(TapWire, HelloTellsLensesOfAllModels) {
+  for (const auto& [name, lens, whole] : lenses_of_all_models()) {
+    Hello hello = full_hello();
+    hello.config.lens = lens;
+    const auto read = read_hello(fields_of(write_hello(hello)));
+    ASSERT_TRUE(read.ok()) << name << ": " << read.error().message;
+    EXPECT_TRUE(read->config.lens == lens) << name;
+  }
 }
 
 TEST(TapWire, EveryCutHelloIsRefused) {

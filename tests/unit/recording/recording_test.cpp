@@ -3,9 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "platform/config/lens_settings.h"
 #include "platform/recording/layout.h"
 #include "platform/recording/robot_file.h"
 #include "platform/recording/sensor_file.h"
+#include "slam/image/lens_projection.h"
+#include "tests/support/lenses.h"
 #include "tests/unit/tools/small_recording.h"
 #include "tests/unit/tools/temporary_folder.h"
 
@@ -256,7 +259,8 @@ TEST_F(RecordingTest, RefusesBadCalibrations) {
   EXPECT_THAT(broken("intrinsics", "intrinsicks"), HasSubstr("missing key intrinsics"));
   EXPECT_THAT(broken("T_BS", "T_SB"), HasSubstr("missing key T_BS"));
   EXPECT_THAT(broken("0, 0, 0, 1]", "0, 0, 0, 2]"), HasSubstr("no rigid transform"));
-  EXPECT_THAT(broken("model: equidistant", "model: radtan"), HasSubstr("expected equidistant"));
+  EXPECT_THAT(broken("model: equidistant", "model: magic"),
+              HasSubstr("distortion_model magic is unknown"));
   EXPECT_THAT(broken("coefficients: [0.01", "coefficients: [-2"), HasSubstr("fold"));
   EXPECT_THAT(broken("rate_hz: 10", "rate_hz: fast"), HasSubstr("rate_hz is no number"));
   EXPECT_THAT(broken("resolution: [", "resolution: {"), HasSubstr("sensor.yaml:"));
@@ -294,6 +298,83 @@ TEST_F(RecordingTest, SurvivesAnyDamage) {
     write_text(path, good);
   }
   EXPECT_EQ(read_all(), "");
+}
+
+std::string sensor_text(const std::string& lens) {
+  return "T_BS:\n  data: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0.3, 0, 0, 0, 1]\nrate_hz: 10\n"
+         "resolution: [640, 480]\n" +
+         lens;
+}
+
+TEST(SensorFile, LensesOfAllModelsComeBack) {
+  for (const auto& [name, lens, whole] : lenses_of_all_models()) {
+    SensorFile sensor;
+    sensor.lens = lens;
+    const auto back = parse_sensor_file(format_sensor_file(sensor), "sensor.yaml");
+    ASSERT_TRUE(back.ok()) << name << ": " << back.error().message;
+    EXPECT_EQ(back->lens.model, lens.model) << name;
+    // Twelve digits are written.
+    const LensProjection a(lens);
+    const LensProjection b(back->lens);
+    for (const Eigen::Vector3d& ray :
+         {Eigen::Vector3d(0.1, 0.2, 1.0), Eigen::Vector3d(-0.5, 0.1, 1.0)}) {
+      EXPECT_LT((*a.project(ray) - *b.project(ray)).norm(), 1e-8) << name;
+    }
+  }
+}
+
+TEST(SensorFile, AnEquidistantLensIsWrittenAsEver) {
+  SensorFile sensor;
+  sensor.lens.k = {-0.012, 0.004, -0.0015, 0.0001};
+  EXPECT_THAT(format_sensor_file(sensor),
+              HasSubstr("resolution: [640, 480]\n"
+                        "camera_model: pinhole\n"
+                        "intrinsics: [150, 150, 320, 240]  # fu, fv, cu, cv\n"
+                        "distortion_model: equidistant  # Kannala and Brandt, k1 .. k4\n"
+                        "distortion_coefficients: [-0.012, 0.004, -0.0015, 0.0001]\n"));
+}
+
+TEST(SensorFile, ModelsAreReadInTheWordsOfOthers) {
+  const auto model_of = [](const std::string& lens) {
+    const auto sensor = parse_sensor_file(sensor_text(lens), "s");
+    return sensor.ok() ? std::string(lens_model_name(sensor->lens.model)) : sensor.error().message;
+  };
+  const std::string plain = "intrinsics: [400, 400, 320, 240]\n";
+  EXPECT_EQ(model_of(plain + "distortion_coefficients: [0, 0, 0, 0]\n"), "equidistant");
+  EXPECT_EQ(model_of(plain + "camera_model: pinhole\ndistortion_model: plumb_bob\n"
+                             "distortion_coefficients: [-0.1, 0, 0, 0]\n"),
+            "radtan");
+  EXPECT_EQ(model_of(plain + "distortion_model: radtan\ndistortion_coefficients: "
+                             "[-0.1, 0, 0, 0, 0.01]\n"),
+            "radtan");
+  EXPECT_EQ(model_of(plain + "distortion_model: none\n"), "radtan");
+  EXPECT_EQ(model_of(plain + "distortion_model: rational_polynomial\ndistortion_coefficients: "
+                             "[0.1, 0, 0, 0, 0, 0.1, 0, 0, 0, 0, 0, 0, 0, 0]\n"),
+            "rational");
+  EXPECT_EQ(model_of("camera_model: omni\nintrinsics: [0.9, 400, 400, 320, 240]\n"), "omni");
+}
+
+TEST(SensorFile, WhatNoLensIsIsRefusedWithItsLine) {
+  const auto refusal = [](const std::string& lens) {
+    const auto sensor = parse_sensor_file(sensor_text(lens), "s");
+    return sensor.ok() ? "" : sensor.error().message;
+  };
+  const std::string zeros = "distortion_coefficients: [0, 0, 0, 0]\n";
+  EXPECT_THAT(refusal("intrinsics: [-150, 150, 320, 240]\n" + zeros),
+              HasSubstr("s:5: intrinsics (fu) is -150, expected 1 .. 100000"));
+  EXPECT_THAT(refusal("intrinsics: [150, 150, 640, 240]\n" + zeros),
+              HasSubstr("s:5: intrinsics (cu) lies outside of the frame"));
+  EXPECT_THAT(refusal("intrinsics: [150, 150, 320, .nan]\n" + zeros), HasSubstr("s:5: intrinsics"));
+  EXPECT_THAT(refusal("intrinsics: [150, 150, 320, 240]\ndistortion_coefficients: [-2, 0, 0, 0]\n"),
+              HasSubstr("s:6: distortion_coefficients (k1) and the other numbers (k1 k2 k3 k4) "
+                        "fold the image over itself"));
+  EXPECT_THAT(refusal("camera_model: ds\nintrinsics: [0.1, 3, 150, 150, 320, 240]\n"),
+              HasSubstr("s:6: intrinsics (alpha) is 3, expected 0 .. 1"));
+  EXPECT_THAT(refusal("camera_model: ds\ndistortion_model: radtan\n"),
+              HasSubstr("s:6: camera_model ds with distortion_model radtan is unknown; known: "));
+  EXPECT_THAT(refusal("intrinsics: [150, 150, 320, 240]\ndistortion_model: rational_polynomial\n"
+                      "distortion_coefficients: [0, 0, 0, 0, 0, 0, 0, 0, 0.1, 0, 0, 0]\n"),
+              HasSubstr("s:7: distortion_coefficients: thin prism and tilt"));
 }
 
 TEST(Mount, MatrixAndAnglesAgree) {

@@ -11,6 +11,7 @@
 #include "sim/simulation.h"
 #include "sim/skyline.h"
 #include "sim/world.h"
+#include "slam/image/lens_projection.h"
 #include "tests/unit/sim/test_world.h"
 
 namespace zenith::sim {
@@ -25,7 +26,7 @@ struct View {
     const Eigen::Vector2d p = T_world_robot.inverse() * Eigen::Vector2d(p_world.head<2>());
     const CameraMount& m = robot.mount;
     const Eigen::Vector3d in_base(p.x() - m.x_m, p.y() - m.y_m, p_world.z() - m.z_m);
-    return robot.lens.project(mount_rotation(m).transpose() * in_base);
+    return LensProjection(robot.lens).project(mount_rotation(m).transpose() * in_base).value();
   }
 
   double pixel(double u, double v) const {

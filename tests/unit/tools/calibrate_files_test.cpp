@@ -7,6 +7,7 @@
 #include "platform/daemon/config_text.h"
 #include "platform/recording/layout.h"
 #include "platform/recording/sensor_file.h"
+#include "tests/support/lenses.h"
 #include "tests/unit/tools/small_recording.h"
 #include "tests/unit/tools/temporary_folder.h"
 #include "tools/calibrate/detect.h"
@@ -53,6 +54,25 @@ TEST(ResultFiles, TheLensGoesIntoTheDaemonsConfiguration) {
   EXPECT_DOUBLE_EQ(config->lens.fu_px, 201.25);
   EXPECT_DOUBLE_EQ(config->lens.k[3], -0.0004);
   EXPECT_THAT(read_text(path), HasSubstr("# focal length along columns"));
+}
+
+// One after the other into one file: a model's keys do not stay behind for the next.
+TEST(ResultFiles, LensesOfAllModelsGoIntoOneConfigurationAndBack) {
+  TemporaryFolder folder;
+  const auto path = folder.path() / "zenith.toml";
+  write_text(path, annotated_config());
+  for (const auto& [name, lens, whole] : lenses_of_all_models()) {
+    const Status written = write_lens(path, lens);
+    ASSERT_TRUE(written.ok()) << name << ": " << written.error().message;
+    const auto config = read_daemon_config(path);
+    ASSERT_TRUE(config.ok()) << name << ": " << config.error().message;
+    EXPECT_TRUE(config->lens == lens) << name;
+  }
+  const std::string before = read_text(path);
+  Lens bad = Lens{};
+  bad.fu_px = -150.0;
+  EXPECT_THAT(write_lens(path, bad).error().message, HasSubstr("fu_px is -150, expected 1 .."));
+  EXPECT_EQ(read_text(path), before);
 }
 
 TEST(ResultFiles, TheLensOfARecordingLeavesItsMount) {

@@ -1,13 +1,13 @@
 #include <cmath>
+#include <utility>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <opencv2/calib3d.hpp>
 
-#include "tests/support/figure.h"
+#include "slam/image/lens_projection.h"
 #include "tests/support/real_data.h"
 #include "tests/unit/tools/temporary_folder.h"
-#include "tools/calibrate/foreign_models.h"
 #include "tools/calibrate/import.h"
 
 namespace zenith::tools {
@@ -36,7 +36,6 @@ TEST_F(ImportTest, KalibrsCamchainIsTakenAsItIs) {
   ASSERT_EQ(lenses->size(), 2u);
   const auto lens = import_lens((*lenses)[0]);
   ASSERT_TRUE(lens.ok()) << lens.error().message;
-  EXPECT_TRUE(lens->exact);
   EXPECT_EQ(lens->lens.width_px, 640);
   EXPECT_EQ(lens->lens.fv_px, 202.5);
   EXPECT_EQ(lens->lens.k[3], -0.0004);
@@ -53,32 +52,38 @@ TEST_F(ImportTest, OpenCvsDialectIsRead) {
   ASSERT_TRUE(lenses.ok()) << lenses.error().message;
   const auto lens = import_lens(lenses->front());
   ASSERT_TRUE(lens.ok()) << lens.error().message;
-  EXPECT_TRUE(lens->exact);
   EXPECT_EQ(lens->lens.cv_px, 239.0);
   EXPECT_EQ(lens->lens.k[1], 0.02);
 }
 
-TEST_F(ImportTest, RosPlumbBobIsFittedAndSaysHowWell) {
-  const auto lenses = read(
+TEST_F(ImportTest, RosPlumbBobAndRationalAreTakenAsTheyAre) {
+  const std::string head =
       "image_width: 640\nimage_height: 480\ncamera_name: narrow\n"
-      "camera_matrix:\n  rows: 3\n  cols: 3\n  data: [420, 0, 322, 0, 421, 238, 0, 0, 1]\n"
-      "distortion_model: plumb_bob\n"
-      "distortion_coefficients:\n  rows: 1\n  cols: 5\n  data: [-0.28, 0.07, 0.0002, -0.0001, "
-      "0]\n");
-  ASSERT_TRUE(lenses.ok()) << lenses.error().message;
-  const auto lens = import_lens(lenses->front());
-  ASSERT_TRUE(lens.ok()) << lens.error().message;
-  EXPECT_FALSE(lens->exact);
-  EXPECT_LT(lens->worst_px, 1.0);
-  // The oracle's pixels.
-  const cv::Matx33d K(420, 0, 322, 0, 421, 238, 0, 0, 1);
-  const std::vector<double> D = {-0.28, 0.07, 0.0002, -0.0001, 0};
-  for (const double x : {-0.5, 0.0, 0.4}) {
-    std::vector<cv::Point2d> seen;
-    cv::projectPoints(std::vector<cv::Point3d>{{x, 0.3, 1.0}}, cv::Vec3d(), cv::Vec3d(), K, D,
-                      seen);
-    const Eigen::Vector2d uv = lens->lens.project({x, 0.3, 1.0});
-    EXPECT_LT(std::hypot(uv.x() - seen[0].x, uv.y() - seen[0].y), lens->worst_px + 0.05);
+      "camera_matrix:\n  rows: 3\n  cols: 3\n  data: [420, 0, 322, 0, 421, 238, 0, 0, 1]\n";
+  const std::vector<std::pair<std::string, std::vector<double>>> cases = {
+      {"plumb_bob", {-0.28, 0.07, 0.0002, -0.0001, 0}},
+      {"rational_polynomial", {0.45, -2.47, 0.0009, -0.0002, 1.43, 0.32, -2.3, 1.36}},
+      {"rational_polynomial", {0.45, -2.47, 0.0009, -0.0002, 1.43, 0.32, -2.3, 1.36, 0, 0, 0, 0}},
+  };
+  for (const auto& [model, D] : cases) {
+    std::string list;
+    for (const double d : D) list += (list.empty() ? "" : ", ") + std::to_string(d);
+    const auto lenses =
+        read(head + "distortion_model: " + model +
+             "\ndistortion_coefficients:\n  rows: 1\n  cols: 5\n  data: [" + list + "]\n");
+    ASSERT_TRUE(lenses.ok()) << lenses.error().message;
+    const auto lens = import_lens(lenses->front());
+    ASSERT_TRUE(lens.ok()) << lens.error().message;
+    const LensProjection projection(lens->lens);
+    const cv::Matx33d K(420, 0, 322, 0, 421, 238, 0, 0, 1);
+    for (const double x : {-0.5, 0.0, 0.4}) {
+      std::vector<cv::Point2d> seen;
+      cv::projectPoints(std::vector<cv::Point3d>{{x, 0.3, 1.0}}, cv::Vec3d(), cv::Vec3d(), K, D,
+                        seen);
+      const auto uv = projection.project({x, 0.3, 1.0});
+      ASSERT_TRUE(uv);
+      EXPECT_LT(std::hypot(uv->x() - seen[0].x, uv->y() - seen[0].y), 1e-6) << model;
+    }
   }
 }
 
@@ -89,25 +94,22 @@ TEST_F(ImportTest, WhatIsNoLensIsRefusedWithReasons) {
   EXPECT_THAT(import_lens(lens).error().message, HasSubstr("'pinhole-magic'"));
   lens.model = "pinhole-equi";
   EXPECT_THAT(import_lens(lens).error().message, HasSubstr("found 0"));
-  // A mirror-like lens that no radial polynomial follows.
-  lens = {"ROS camera_info",          "", "pinhole-radtan", 640, 480, {300, 300, 320, 240},
-          {0.0, 0.0, 0.08, 0.08, 0.0}};
-  EXPECT_THAT(import_lens(lens).error().message, HasSubstr("no equidistant lens"));
-}
-
-TEST_F(ImportTest, ModelsAgreeWithOpenCv) {
-  // cv::fisheye is the equidistant model.
-  ForeignLens lens{
-      "", "", "pinhole-equi", 640, 480, {150, 151, 320, 240}, {0.01, 0.02, -0.01, 0.001}};
-  std::vector<cv::Point2d> seen;
-  const std::vector<cv::Point3d> points = {{0.5, -0.4, 1.0}};
-  cv::fisheye::projectPoints(points, seen, cv::Vec3d(), cv::Vec3d(),
-                             cv::Matx33d(150, 0, 320, 0, 151, 240, 0, 0, 1),
-                             cv::Vec4d(0.01, 0.02, -0.01, 0.001));
-  const auto uv = project_foreign(lens, {0.5, -0.4, 1.0});
-  ASSERT_TRUE(uv);
-  EXPECT_NEAR(uv->x(), seen[0].x, 1e-9);
-  EXPECT_NEAR(uv->y(), seen[0].y, 1e-9);
+  lens = {"ROS camera_info",
+          "",
+          "pinhole-rational",
+          640,
+          480,
+          {420, 420, 320, 240},
+          {0.1, 0, 0, 0, 0, 0, 0, 0, 0.01, 0, 0, 0}};
+  EXPECT_THAT(import_lens(lens).error().message, HasSubstr("thin prism"));
+  lens = {"ROS camera_info",   "", "pinhole-radtan", 640, 480, {-150, 300, 320, 240},
+          {0.0, 0.0, 0.0, 0.0}};
+  EXPECT_THAT(import_lens(lens).error().message, HasSubstr("fu_px is -150, expected 1 .."));
+  lens.intrinsics = {300, 300, 320, 500};
+  EXPECT_THAT(import_lens(lens).error().message, HasSubstr("cv_px lies outside of the frame"));
+  lens.intrinsics = {300, 300, 320, 240};
+  lens.distortion = {-3.0, 0.0, 0.0, 0.0};
+  EXPECT_THAT(import_lens(lens).error().message, HasSubstr("fold the image over itself at 18."));
 }
 
 TEST_F(ImportTest, ARealCamerasCalibrationOfBasaltIsRead) {
@@ -122,7 +124,7 @@ TEST_F(ImportTest, ARealCamerasCalibrationOfBasaltIsRead) {
   EXPECT_NEAR(lens->lens.k[2], -0.04804, 1e-4);
 }
 
-TEST_F(ImportTest, ARealWideLensOfAnotherModelIsFitted) {
+TEST_F(ImportTest, ARealWideLensOfAnotherModelIsTakenAsItIs) {
   // The TUM-VI camera's EUCM numbers, 512 x 512 pixels.
   const ForeignLens lens{"Basalt",
                          "cam0",
@@ -132,13 +134,12 @@ TEST_F(ImportTest, ARealWideLensOfAnotherModelIsFitted) {
                          {0.6283550447635853, 1.0458678747533083, 190.89618687183938,
                           190.87022285882367, 254.9375370481962, 256.86414483060787},
                          {}};
-  const auto fitted = import_lens(lens);
-  ASSERT_TRUE(fitted.ok()) << fitted.error().message;
-  print_figure(
-      "EUCM lens of 512 x 512 pixels fitted by an equidistant one: %.3f px, worst %.3f px, "
-      "out to %.0f degrees",
-      fitted->rms_px, fitted->worst_px, fitted->widest_deg);
-  EXPECT_LT(fitted->worst_px, 1.0);
+  const auto imported = import_lens(lens);
+  ASSERT_TRUE(imported.ok()) << imported.error().message;
+  EXPECT_EQ(imported->lens.model, LensModel::kEucm);
+  EXPECT_EQ(imported->lens.alpha, 0.6283550447635853);
+  EXPECT_EQ(imported->lens.fu_px, 190.89618687183938);
+  EXPECT_GT(imported->widest_deg, 110.0);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 #include <opencv2/imgcodecs.hpp>
 
+#include "slam/image/lens_projection.h"
 #include "tests/support/figure.h"
 #include "tests/unit/tools/temporary_folder.h"
 #include "tools/calibrate/lens_calibration.h"
@@ -34,16 +35,18 @@ std::vector<SeenBoard> sample_boards(const Target& target, std::uint64_t seed, i
 
 // What a user of the lens feels: by how much rays go wrong, out to 65 degrees, once the camera is
 // turned so that they fit best; that turn is the mount's, not the lens's.
-double worst_ray_deg(const Lens& found, const Lens& truth) {
+double worst_ray_deg(const Lens& found_lens, const Lens& true_lens) {
   double worst = 0.0;
-  const Eigen::Vector3d axis = found.unproject(truth.project({0.0, 0.0, 1.0}));
+  const LensProjection found(found_lens);
+  const LensProjection truth(true_lens);
+  const Eigen::Vector3d axis = found.unproject(truth.project({0.0, 0.0, 1.0}).value()).value();
   const Eigen::Quaterniond turn =
       Eigen::Quaterniond::FromTwoVectors(axis, Eigen::Vector3d::UnitZ());
   for (double theta = 0.0; theta < 65.0 * std::numbers::pi / 180.0; theta += 0.05) {
     for (double azimuth = 0.0; azimuth < 6.2; azimuth += 0.4) {
       const Eigen::Vector3d ray(std::sin(theta) * std::cos(azimuth),
                                 std::sin(theta) * std::sin(azimuth), std::cos(theta));
-      const Eigen::Vector3d back = turn * found.unproject(truth.project(ray));
+      const Eigen::Vector3d back = turn * found.unproject(truth.project(ray).value()).value();
       worst = std::max(worst, std::acos(std::min(1.0, ray.dot(back))));
     }
   }
@@ -143,6 +146,10 @@ TEST(CalibrateLens, DetectionSaysWhatIsWrong) {
               HasSubstr("no whole checkerboard"));
 }
 
+Eigen::Vector2d project(const Lens& lens, const Eigen::Vector3d& p) {
+  return LensProjection(lens).project(p).value();
+}
+
 TEST(Projection, DerivativesAgreeWithDifferences) {
   const Lens lens = sample_lens(3);
   for (const Eigen::Vector3d& p :
@@ -152,14 +159,14 @@ TEST(Projection, DerivativesAgreeWithDifferences) {
     constexpr double kStep = 1e-6;
     for (int i = 0; i < 3; ++i) {
       const Eigen::Vector3d d = kStep * Eigen::Vector3d::Unit(i);
-      const Eigen::Vector2d numeric = (lens.project(p + d) - lens.project(p - d)) / (2.0 * kStep);
+      const Eigen::Vector2d numeric = (project(lens, p + d) - project(lens, p - d)) / (2.0 * kStep);
       EXPECT_LT((numeric - at.by_point.col(i)).norm(), 1e-4) << i;
     }
     for (int i = 0; i < kLensSize; ++i) {
       const LensVector d = kStep * LensVector::Unit(i);
       const LensVector v = lens_vector(lens);
-      const Eigen::Vector2d numeric = (lens_of_vector(v + d, 640, 480).project(p) -
-                                       lens_of_vector(v - d, 640, 480).project(p)) /
+      const Eigen::Vector2d numeric = (project(lens_of_vector(v + d, 640, 480), p) -
+                                       project(lens_of_vector(v - d, 640, 480), p)) /
                                       (2.0 * kStep);
       EXPECT_LT((numeric - at.by_lens.col(i)).norm(), 1e-4) << i;
     }

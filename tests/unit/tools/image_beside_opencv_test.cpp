@@ -1,16 +1,20 @@
-// The image stage beside OpenCV's, on rendered frames: the rectified image, and the corners.
+// The image stage beside OpenCV's, on rendered frames: the rectified image, and the corners; and
+// the lenses' projection.
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "slam/image/corners.h"
+#include "slam/image/lens_projection.h"
 #include "slam/image/rectify.h"
 #include "tests/support/arena_block.h"
 #include "tests/support/figure.h"
+#include "tests/support/lenses.h"
 #include "tools/runner/simulated_source.h"
 
 namespace zenith {
@@ -84,10 +88,12 @@ TEST_F(ImageBesideOpenCv, RectifiedPixelsAreWithinOneGreyLevel) {
   cv::Mat map_v(kN, kN, CV_32F);
   for_each_frame([&](const cv::Mat& ours, const cv::Mat& fisheye) {
     const Eigen::Matrix3d R = mount_rotation(robot_.mount).transpose();
+    const LensProjection projection(robot_.lens);
     for (int v = 0; v < kN; ++v) {
       for (int u = 0; u < kN; ++u) {
         const Eigen::Vector2d m = pinhole_.normalise(u, v);
-        const Eigen::Vector2d at = robot_.lens.project(R * Eigen::Vector3d(m.x(), m.y(), 1.0));
+        const Eigen::Vector2d at =
+            projection.project(R * Eigen::Vector3d(m.x(), m.y(), 1.0)).value();
         map_u.at<float>(v, u) = static_cast<float>(at.x());
         map_v.at<float>(v, u) = static_cast<float>(at.y());
       }
@@ -142,6 +148,52 @@ TEST_F(ImageBesideOpenCv, CornersAreTheSame) {
                100.0 * same / theirs_count, theirs_count);
   EXPECT_GT(theirs_count, 300);
   EXPECT_GE(same, 0.95 * theirs_count);
+}
+
+// All that OpenCV itself can project, over the whole image.
+TEST(LensesBesideOpenCv, PixelsAreTheSame) {
+  double worst = 0.0;
+  int compared = 0;
+  for (const auto& [name, lens, whole] : lenses_of_all_models()) {
+    const bool fisheye = lens.model == LensModel::kEquidistant;
+    if (!fisheye && lens.model != LensModel::kRadtan && lens.model != LensModel::kRational) {
+      continue;
+    }
+    const LensProjection projection(lens);
+    const cv::Matx33d K(lens.fu_px, 0, lens.cu_px, 0, lens.fv_px, lens.cv_px, 0, 0, 1);
+    std::vector<cv::Point3d> points;
+    std::vector<Eigen::Vector2d> pixels;
+    for (int v = 0; v < lens.height_px; v += 13) {
+      for (int u = 0; u < lens.width_px; u += 13) {
+        const auto ray = projection.unproject(Eigen::Vector2d(u, v));
+        // OpenCV's fisheye ends at 90 degrees.
+        if (!ray || ray->z() < 0.02) continue;
+        const auto pixel = projection.project(*ray);
+        if (!pixel) continue;
+        points.emplace_back(ray->x(), ray->y(), ray->z());
+        pixels.push_back(*pixel);
+      }
+    }
+    std::vector<cv::Point2d> theirs;
+    const cv::Vec3d none;
+    if (fisheye) {
+      cv::fisheye::projectPoints(points, theirs, none, none, K,
+                                 cv::Vec4d(lens.k[0], lens.k[1], lens.k[2], lens.k[3]));
+    } else {
+      const std::vector<double> D = {lens.k[0], lens.k[1], lens.p[0], lens.p[1],
+                                     lens.k[2], lens.k[3], lens.k[4], lens.k[5]};
+      cv::projectPoints(points, none, none, K, D, theirs);
+    }
+    for (std::size_t i = 0; i < pixels.size(); ++i) {
+      const double off = std::hypot(theirs[i].x - pixels[i].x(), theirs[i].y - pixels[i].y());
+      EXPECT_LT(off, 1e-6) << name << ' ' << pixels[i].transpose();
+      worst = std::max(worst, off);
+    }
+    compared += static_cast<int>(pixels.size());
+  }
+  EXPECT_GT(compared, 10'000);
+  print_figure("lenses beside OpenCV's projectPoints, %d pixels: %.1e px at worst", compared,
+               worst);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "slam/image/lens_projection.h"
 #include "tests/support/arena_block.h"
 
 namespace zenith {
@@ -77,6 +78,7 @@ TEST(Rectify, EachPixelShowsItsRay) {
   Lens lens;
   lens.k = {0.02, -0.004, 0.001, 0.0};
   CameraMount mount;
+  const LensProjection projection(lens);
   mount.roll_rad = 0.04;
   mount.pitch_rad = -0.06;
   mount.yaw_rad = 1.1;
@@ -93,7 +95,9 @@ TEST(Rectify, EachPixelShowsItsRay) {
         ++inside;
         const Eigen::Vector2d m = pinhole.normalise(u, v);
         const Eigen::Vector2d at =
-            lens.project(mount_rotation(mount).transpose() * Eigen::Vector3d(m.x(), m.y(), 1.0));
+            projection
+                .project(mount_rotation(mount).transpose() * Eigen::Vector3d(m.x(), m.y(), 1.0))
+                .value();
         const double grey =
             along_u ? at.x() * 255.0 / lens.width_px : at.y() * 255.0 / lens.height_px;
         // The ramp itself is rounded down to whole levels.
@@ -112,7 +116,7 @@ TEST(Rectify, ForwardIsRightAndLeftIsDown) {
   rig.rectifier.build(lens, {}, pinhole);
   for (const Eigen::Vector2d& m : {Eigen::Vector2d(0.8, 0.0), Eigen::Vector2d(0.0, 0.8)}) {
     std::vector<std::uint8_t> frame(static_cast<std::size_t>(lens.width_px * lens.height_px), 0);
-    const Eigen::Vector2d at = lens.project({m.x(), m.y(), 1.0});
+    const Eigen::Vector2d at = LensProjection(lens).project({m.x(), m.y(), 1.0}).value();
     for (int dv = -2; dv <= 2; ++dv) {
       for (int du = -2; du <= 2; ++du) {
         const auto u = std::lround(at.x()) + du;
