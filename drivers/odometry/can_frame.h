@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <compare>
 #include <cstdint>
 
 #include "platform/base/fixed_vector.h"
@@ -14,7 +15,7 @@ struct CanId {
   std::uint32_t id = 0;   // 11 or 29 bits, without flags
   bool extended = false;  // 29-bit identifier
 
-  bool operator==(const CanId&) const = default;
+  auto operator<=>(const CanId&) const = default;
 };
 
 // The identifiers that somebody reads.

@@ -21,13 +21,15 @@ WheelScale scale_of(const DbcSignal& signal, WheelQuantity quantity, double metr
 
 WheelNews Codec::read(const CanFrame& frame) const {
   WheelNews news;
-  const bool has_left = id_of(frame) == left.id;
-  const bool has_right = id_of(frame) == right.id;
+  bool has_left = id_of(frame) == left.id;
+  bool has_right = id_of(frame) == right.id;
   if (!has_left && !has_right) return news;
   news.use = FrameUse::kTooShort;
-  if (has_left && frame.length < bytes_needed(left)) return news;
-  if (has_right && frame.length < bytes_needed(right)) return news;
-  news.use = FrameUse::kReading;
+  if (has_left && frame.length < bytes_needed(left, left_when)) return news;
+  if (has_right && frame.length < bytes_needed(right, right_when)) return news;
+  has_left = has_left && holds(left_when, frame);
+  has_right = has_right && holds(right_when, frame);
+  news.use = has_left || has_right ? FrameUse::kReading : FrameUse::kNoTravel;
   if (has_left) news.left = read_signal(left, frame);
   if (has_right) news.right = read_signal(right, frame);
   return news;

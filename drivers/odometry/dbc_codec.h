@@ -28,6 +28,8 @@ struct Codec {
   DbcSignal right;
   WheelQuantity quantity = WheelQuantity::kVelocity;
   double metres_per_unit = 1.0;
+  DbcConditions left_when = {};  // multiplexed: the frames that hold the signal
+  DbcConditions right_when = {};
 
   WheelNews read(const CanFrame& frame) const;
   WheelScales scales(const WheelGeometry& geometry) const;

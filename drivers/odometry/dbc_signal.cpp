@@ -51,6 +51,23 @@ std::uint32_t bytes_needed(const DbcSignal& signal) {
   return position / 8 + 1;
 }
 
+std::uint32_t bytes_needed(const DbcSignal& signal, const DbcConditions& conditions) {
+  std::uint32_t bytes = bytes_needed(signal);
+  for (const DbcCondition& condition : conditions) {
+    bytes = std::max(bytes, bytes_needed(condition.selector));
+  }
+  return bytes;
+}
+
+bool holds(const DbcConditions& conditions, const CanFrame& frame) {
+  return std::all_of(conditions.begin(), conditions.end(), [&](const DbcCondition& condition) {
+    const std::uint64_t raw = read_raw(condition.selector, frame);
+    return std::any_of(
+        condition.ranges.begin(), condition.ranges.end(),
+        [raw](const DbcRange& range) { return raw >= range.first && raw <= range.last; });
+  });
+}
+
 std::uint64_t read_raw(const DbcSignal& signal, const CanFrame& frame) {
   assert(bytes_needed(signal) <= frame.data.size());
   std::uint64_t raw = 0;

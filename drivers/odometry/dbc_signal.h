@@ -10,6 +10,7 @@
 #include <cstdint>
 
 #include "drivers/odometry/can_frame.h"
+#include "platform/base/fixed_vector.h"
 
 namespace zenith {
 
@@ -26,6 +27,26 @@ struct DbcSignal {
 
   bool operator==(const DbcSignal&) const = default;
 };
+
+// A multiplexed signal is in a frame when the selector's raw value is in one of these ranges, for
+// each of its conditions: a selector may itself be multiplexed.
+struct DbcRange {
+  std::uint64_t first = 0;
+  std::uint64_t last = 0;
+
+  bool operator==(const DbcRange&) const = default;
+};
+inline constexpr std::size_t kMaxDbcRanges = 16;
+struct DbcCondition {
+  DbcSignal selector;
+  FixedVector<DbcRange, kMaxDbcRanges> ranges;
+};
+using DbcConditions = FixedVector<DbcCondition, 3>;
+
+// The frame is long enough for all selectors.
+bool holds(const DbcConditions& conditions, const CanFrame& frame);
+// Of the signal and its selectors.
+std::uint32_t bytes_needed(const DbcSignal& signal, const DbcConditions& conditions);
 
 // How many bytes a frame must have to hold the signal; more than 8 when it does not fit any.
 std::uint32_t bytes_needed(const DbcSignal& signal);

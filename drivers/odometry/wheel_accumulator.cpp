@@ -21,11 +21,20 @@ std::int64_t WheelAccumulator::counter_step(std::uint64_t count) const {
   return static_cast<std::int64_t>((count - reading_.count) << unused) >> unused;
 }
 
+double WheelAccumulator::step_units(const WheelReading& reading) const {
+  if (scale_.kind == WheelKind::kVelocity) return reading.value;
+  if (!started_) return 0.0;
+  return scale_.kind == WheelKind::kCounter ? static_cast<double>(counter_step(reading.count))
+                                            : reading.value - reading_.value;
+}
+
+bool WheelAccumulator::was_silent(Time stamp) const {
+  return started_ && (stamp - last_.stamp).seconds() >= kRestartSilence_s;
+}
+
 bool WheelAccumulator::is_restart(Time stamp, const WheelReading& reading) const {
   const bool counter = scale_.kind == WheelKind::kCounter;
-  const double units =
-      counter ? static_cast<double>(counter_step(reading.count)) : reading.value - reading_.value;
-  const double step_m = std::abs(units * scale_.metres_per_unit);
+  const double step_m = std::abs(step_units(reading) * scale_.metres_per_unit);
   const double slack_m =
       std::max(kStepSlack_m, counter ? kStepSlackUnits * std::abs(scale_.metres_per_unit) : 0.0);
   const double silence_s = (stamp - last_.stamp).seconds();

@@ -42,6 +42,11 @@ class WheelAccumulator {
 
   // What the reading would be; changes nothing.
   WheelStep judge(Time stamp, const WheelReading& reading) const;
+  // From the last taken reading to this one, in the base's units; of velocities, the reading. 0 for
+  // the first position.
+  double step_units(const WheelReading& reading) const;
+  // Long enough without a reading for a base to have restarted.
+  bool was_silent(Time stamp) const;
   // A velocity after a silence longer than max_velocity_gap.
   bool ends_velocity_gap(Time stamp) const;
   // Takes a reading that is kFirst, kMoved or kRestarted. The caller may call a step a restart

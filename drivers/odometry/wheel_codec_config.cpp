@@ -75,7 +75,7 @@ void check_canopen(const canopen::Config& config, Problems& problems) {
   }
 }
 
-std::optional<DbcSignal> take_signal(const DbcFile& file, const std::string& key,
+std::optional<DbcEntry> take_signal(const DbcFile& file, const std::string& key,
                                      const std::string& name, WheelQuantity quantity,
                                      Problems& problems) {
   if (name.empty()) {
@@ -94,7 +94,7 @@ std::optional<DbcSignal> take_signal(const DbcFile& file, const std::string& key
                  " bits, expected at least " + std::to_string(kMinCounterBits) +
                  " in a position: fewer wrap too often to be followed");
   }
-  return signal;
+  return *found;
 }
 
 dbc::Codec make_dbc(const dbc::Config& config, Problems& problems) {
@@ -112,8 +112,11 @@ dbc::Codec make_dbc(const dbc::Config& config, Problems& problems) {
   const auto right =
       take_signal(*file, "dbc.right_signal", config.right_signal, config.quantity, problems);
   if (!left || !right) return {};
-  if (*left == *right) problems.add("dbc: both wheels are the signal " + config.left_signal);
-  return {*left, *right, config.quantity, config.metres_per_unit};
+  if (left->message == right->message && left->name == right->name) {
+    problems.add("dbc: both wheels are the signal " + config.left_signal);
+  }
+  return {left->signal,      right->signal,    config.quantity, config.metres_per_unit,
+          left->conditions, right->conditions};
 }
 
 WheelCodec make_codec(const WheelCodecConfig& config, Problems& problems) {
@@ -152,6 +155,7 @@ void swap_wheels(canopen::Codec& codec) {
 }
 void swap_wheels(dbc::Codec& codec) {
   std::swap(codec.left, codec.right);
+  std::swap(codec.left_when, codec.right_when);
 }
 
 }  // namespace

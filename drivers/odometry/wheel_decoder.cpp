@@ -49,7 +49,19 @@ std::optional<WheelSample> WheelDecoder::take(Time stamp_of_news, const WheelNew
   fresh_right_ = false;
   ++counters_.samples;
   const Time stamp = std::min(left_.stamp(), right_.stamp());
-  return WheelSample{stamp - latency_, left_.travel_at(stamp), right_.travel_at(stamp)};
+  const WheelSample sample = {stamp - latency_, left_.travel_at(stamp), right_.travel_at(stamp)};
+  watch_.travelled(sample.left_m, sample.right_m);
+  return sample;
+}
+
+void WheelDecoder::watch(Time stamp, const WheelReading& reading, WheelStep step,
+                         const WheelAccumulator& wheel) {
+  const double units = wheel.step_units(reading);
+  if (step == WheelStep::kInvalid || (step == WheelStep::kRestarted && !wheel.was_silent(stamp))) {
+    watch_.jumped(units);
+  } else if (step == WheelStep::kMoved && units != 0.0) {
+    watch_.moved();
+  }
 }
 
 void WheelDecoder::note_errors(const WheelNews& news) {
@@ -70,6 +82,8 @@ bool WheelDecoder::accept(Time stamp, const WheelNews& news) {
     ++counters_.late;
     return false;
   }
+  if (left) watch(stamp, *news.left, *left, left_);
+  if (right) watch(stamp, *news.right, *right, right_);
   if (is_any(WheelStep::kInvalid, left, right)) {
     ++counters_.invalid;
     return false;

@@ -23,6 +23,7 @@
 #include "drivers/odometry/vesc.h"
 #include "drivers/odometry/wheel_accumulator.h"
 #include "drivers/odometry/wheel_codec.h"
+#include "drivers/odometry/wheel_watch.h"
 #include "slam/wheels.h"
 
 namespace zenith {
@@ -69,9 +70,13 @@ class WheelDecoder {
   CanIds ids() const;
   const WheelDecoderCounters& counters() const { return counters_; }
   const WheelErrors& errors() const { return errors_; }
+  // Whether what is read can be wheels.
+  WheelFault fault() const { return watch_.fault(); }
 
  private:
   void note_errors(const WheelNews& news);
+  void watch(Time stamp, const WheelReading& reading, WheelStep step,
+             const WheelAccumulator& wheel);
   bool accept(Time stamp, const WheelNews& news);
   void take_wheel(Time stamp, const WheelReading& reading, WheelStep step, WheelAccumulator& wheel,
                   bool& fresh);
@@ -83,6 +88,7 @@ class WheelDecoder {
   bool fresh_left_ = false;  // has news since the last sample
   bool fresh_right_ = false;
   WheelDecoderCounters counters_;
+  WheelWatch watch_;
   WheelErrors errors_;
 };
 

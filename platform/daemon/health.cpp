@@ -25,6 +25,20 @@ const Reason* active_reason(const SetupVerdict& verdict) {
   return nullptr;
 }
 
+std::string wheel_reason(const WheelFault& fault) {
+  switch (fault.kind) {
+    case WheelFaultKind::kNone:
+      break;
+    case WheelFaultKind::kNonsense:
+    case WheelFaultKind::kWraps:
+      return kWheelsReadWrong;
+    case WheelFaultKind::kLeftStands:
+    case WheelFaultKind::kRightStands:
+      return kWheelStands;
+  }
+  return "";
+}
+
 }  // namespace
 
 const char* light_name(RobotLight light) {
@@ -60,6 +74,7 @@ Health judge_health(const PerceptionReport& report, const Lately& lately, Time s
              : !report.can_up ? "no CAN bus"
                               : "nothing from the wheels on the CAN bus";
   }
+  if (reason.empty()) reason = wheel_reason(report.wheel_fault);
   if (std::max(without_frames, without_wheels) > kFaultAfter) return {RobotLight::kFault, reason};
   if (!report.has_pose) return {RobotLight::kStarting, reason};
   if (!reason.empty()) return {RobotLight::kDegraded, reason};

@@ -24,6 +24,9 @@ inline constexpr Duration kDegradedAfterRepair = {10'000'000'000};
 // The verdict on camera, wheels and clocks, by its gravest active reason.
 inline constexpr const char* kSetupWrong = "the set-up is wrong";
 inline constexpr const char* kSetupDoubtful = "the set-up is doubtful";
+// What the wheels' codec reads cannot be wheels: wheel_fault_text() says why.
+inline constexpr const char* kWheelsReadWrong = "the wheels are read wrong";
+inline constexpr const char* kWheelStands = "one wheel never moved";
 // A reason that perception does not know of.
 inline constexpr const char* kMapNotKept = "the map cannot be kept";
 

@@ -127,6 +127,7 @@ void Housekeeping::tick(Time now) {
   if (map_keeper_ != nullptr) map_keeper_->read(stored_);
   keep_what_counts(report_, stored_);
   log_events();
+  note_wheels();
   note_lately(now);
   const RobotLight before = health_.light;
   health_ = judge_health(report_, lately_, started_, now);
@@ -140,6 +141,16 @@ void Housekeeping::tick(Time now) {
   feed_watchdog(now);
   tell_status(now);
   process_log().drain(now);
+}
+
+void Housekeeping::note_wheels() {
+  const WheelFault& fault = report_.wheel_fault;
+  if (fault.kind == wheel_fault_) return;
+  wheel_fault_ = fault.kind;
+  if (fault.kind == WheelFaultKind::kNone) {
+    return log_line(LogLevel::kNotice, "the wheels are read as wheels again");
+  }
+  log_lines(LogLevel::kWarning, wheel_fault_text(fault));
 }
 
 void Housekeeping::log_event(const PerceptionEvent& event) const {

@@ -41,6 +41,7 @@ class Housekeeping {
  private:
   void log_events();
   void log_event(const PerceptionEvent& event) const;
+  void note_wheels();
   void note_lately(Time now);
   void show_lights(Time now);
   void make_lights(const LedSettings& settings);
@@ -68,6 +69,7 @@ class Housekeeping {
   PerceptionReport report_;
   LinkStatus link_;
   Health health_;
+  WheelFaultKind wheel_fault_ = WheelFaultKind::kNone;  // as logged
   Lately lately_;
   Lately lately_before_;  // totals when lately_ began
   bool manager_deaf_ = false;

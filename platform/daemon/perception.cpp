@@ -353,6 +353,7 @@ void Perception::write_report(Time now) {
   report_.agreed_period = period_.agreed();
   report_.measured_period = period_.measured();
   report_.wheels = decoder_.counters();
+  report_.wheel_fault = decoder_.fault();
   report_.steps = slam_->counters();
   report_.corners_max = shedder_.corners_max();
   report_.faults = thread_page_faults() - faults_at_start_;

@@ -67,6 +67,7 @@ struct PerceptionReport {
   CameraCounters camera;
   CanCounters can;
   WheelDecoderCounters wheels;
+  WheelFault wheel_fault;
   StepCounters steps;
 
   int corners_max = 0;  // the limit in force

@@ -61,6 +61,7 @@ void write_can(JsonLine& line, const PerceptionReport& report) {
       .count("unpaired", w.unpaired)
       .count("error_reports", w.error_reports)
       .count("late_for_frame", report.wheels_late)
+      .text("fault", wheel_fault_text(report.wheel_fault))
       .end();
 }
 

@@ -80,7 +80,7 @@ Result<WheelLog> read_odometry(const OdometryFile& file, const RobotFile& robot)
     return Error{layout::robot(file.path.parent_path()).string() + ": " +
                  decoder.error().message};
   }
-  return read_wheel_log(file.path, robot.can_interface, *decoder);
+  return read_wheel_log(file.path, robot.can_interface, *decoder, robot.log_start());
 }
 
 }  // namespace zenith

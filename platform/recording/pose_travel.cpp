@@ -100,7 +100,7 @@ class PoseTravel {
   }
 
   const SidewaysTravel& sideways() const { return sideways_; }
-  const WheelDecoderCounters& counters() const { return decoder_.counters(); }
+  const WheelDecoder& decoder() const { return decoder_; }
 
  private:
   Status move(const InputLines& file, const StampedPose& pose) {
@@ -190,8 +190,9 @@ Result<WheelLog> parse_pose_travel(InputLines& file, const RobotFile& robot) {
   if (travel.sideways().too_much()) {
     return Error{file.name() + ": " + travel.sideways().text()};
   }
-  log.decoder = travel.counters();
-  return unless_empty(std::move(log), file.name());
+  log.decoder = travel.decoder().counters();
+  log.fault = travel.decoder().fault();
+  return check_log(std::move(log), file.name());
 }
 
 Result<WheelLog> read_pose_travel(const std::filesystem::path& path, const RobotFile& robot) {

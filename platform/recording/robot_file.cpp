@@ -24,6 +24,9 @@ Settings settings_of(RobotFile& robot, OdometryKeys keys) {
   settings.push_back({"odometry.poses_track_width_m", "m", 0.0, 5.0,
                       "odometry.tum: the track width that its poses were made with",
                       &robot.poses_track_width_m});
+  settings.push_back({"odometry.log_start_s", "s", -1.0, 4e9,
+                      "when the first line of the CAN log came, on the frames' clock",
+                      &robot.log_start_s});
   if (keys == OdometryKeys::kNone) return settings;
   for (Setting& setting : settings) {
     if (setting.key == "odometry.codec" || setting.key == "odometry.can_interface") {
@@ -34,6 +37,11 @@ Settings settings_of(RobotFile& robot, OdometryKeys keys) {
 }
 
 }  // namespace
+
+std::optional<Time> RobotFile::log_start() const {
+  if (log_start_s < 0.0) return std::nullopt;
+  return Time{0} + Duration::from_seconds(log_start_s);
+}
 
 Result<RobotFile> read_robot_file(const std::filesystem::path& path) {
   std::error_code code;
@@ -85,6 +93,11 @@ std::string format_robot_file(const RobotFile& robot) {
     std::snprintf(text + std::strlen(text), sizeof text - std::strlen(text),
                   "poses_track_width_m = %.9f   # of the poses in odometry.tum\n",
                   robot.poses_track_width_m);
+  }
+  if (robot.log_start_s >= 0.0) {
+    std::snprintf(text + std::strlen(text), sizeof text - std::strlen(text),
+                  "log_start_s = %.9f   # when the first line of the CAN log came\n",
+                  robot.log_start_s);
   }
   return text + format_odometry(robot.odometry);
 }

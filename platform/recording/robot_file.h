@@ -4,11 +4,13 @@
 // and stands under [odometry] and [odometry.<codec>]; wheel_codec_fields() lists the keys.
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 
 #include "drivers/odometry/wheel_codec_config.h"
 #include "platform/base/result.h"
+#include "platform/base/time.h"
 #include "slam/robot.h"
 
 namespace zenith {
@@ -18,6 +20,11 @@ struct RobotFile {
   WheelCodecConfig odometry;
   // odometry.tum: the track width with which the base made its poses; 0: that of `wheels`.
   double poses_track_width_m = 0.0;
+  // A CAN log of another clock than the frames': when its first line came, on theirs; negative: the
+  // log is stamped by their clock.
+  double log_start_s = -1.0;
+
+  std::optional<Time> log_start() const;
   std::string can_interface = "can0";  // the log is named after it: can0.log
 };
 

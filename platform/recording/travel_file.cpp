@@ -212,7 +212,8 @@ Result<WheelLog> parse_travel_file(InputLines& file, const WheelCodecConfig& con
   }
   if (!file.status()) return file.status().error();
   log.decoder = decoder.counters();
-  return unless_empty(std::move(log), file.name());
+  log.fault = decoder.fault();
+  return check_log(std::move(log), file.name());
 }
 
 Result<WheelLog> read_travel_file(const std::filesystem::path& path,

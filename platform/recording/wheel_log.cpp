@@ -15,8 +15,8 @@ void decode_frame(const CanFrame& frame, WheelDecoder& decoder, WheelLog& log) {
   const std::uint64_t unknown = decoder.counters().unknown_ids;
   if (const auto sample = decoder.decode(frame)) log.samples.push_back(*sample);
   if (decoder.counters().unknown_ids == unknown) return;
-  if (log.unknown_ids.size() < kMaxUnknownIds || log.unknown_ids.contains(frame.id)) {
-    ++log.unknown_ids[frame.id];
+  if (log.unknown_ids.size() < kMaxUnknownIds || log.unknown_ids.contains(id_of(frame))) {
+    ++log.unknown_ids[id_of(frame)];
   } else {
     ++log.further_unknown;
   }
@@ -28,6 +28,19 @@ std::string seconds_text(double seconds) {
   return text;
 }
 
+// As candump writes them: three digits, or eight for 29 bits.
+std::string id_text(const CanId& id) {
+  char text[16];
+  std::snprintf(text, sizeof text, id.extended ? "%08X" : "%03X", id.id);
+  return text;
+}
+
+std::string expected_text(const WheelLog& log) {
+  std::string ids;
+  for (const CanId& id : log.expected_ids) ids += (ids.empty() ? "" : ", ") + id_text(id);
+  return ids;
+}
+
 std::string unknown_text(const WheelLog& log) {
   std::size_t total = log.further_unknown;
   std::string ids;
@@ -35,36 +48,74 @@ std::string unknown_text(const WheelLog& log) {
   for (const auto& [id, count] : log.unknown_ids) {
     total += count;
     if (++shown > 8) continue;
-    char text[48];
-    std::snprintf(text, sizeof text, "%s%X (%zu)", ids.empty() ? "" : ", ", id, count);
-    ids += text;
+    ids += (ids.empty() ? "" : ", ") + id_text(id) + " (" + std::to_string(count) + ")";
   }
-  if (log.unknown_ids.size() > 8) ids += ", ...";
-  return std::to_string(total) + " frames with identifiers that the codec does not know: " + ids;
+  if (log.unknown_ids.size() > 8) {
+    ids += ", ... (" + std::to_string(log.unknown_ids.size()) + " identifiers in all)";
+  }
+  return std::to_string(total) + " frames with identifiers that the codec does not know: " + ids +
+         (log.samples.empty() ? "; it expects " + expected_text(log) : "");
+}
+
+// Frames with an expected number, but of the other length.
+std::vector<std::string> other_lengths(const WheelLog& log) {
+  std::vector<std::string> lines;
+  for (const CanId& id : log.expected_ids) {
+    const auto found = log.unknown_ids.find({id.id, !id.extended});
+    if (found == log.unknown_ids.end()) continue;
+    lines.push_back(std::to_string(found->second) + " frames of " + id_text(found->first) +
+                    (id.extended ? ", an 11-bit identifier; the codec expects 29 bits, "
+                                 : ", a 29-bit identifier; the codec expects 11 bits, ") +
+                    id_text(id) +
+                    (id.extended ? ": in a DBC file, take 2147483648 from the message's number"
+                                 : ": in a DBC file, add 2147483648 to the message's number"));
+  }
+  return lines;
+}
+
+// What no CAN bus was wrong about.
+std::string file_fault_text(const WheelFault& fault) {
+  if (fault.kind == WheelFaultKind::kLeftStands || fault.kind == WheelFaultKind::kRightStands) {
+    const bool left = fault.kind == WheelFaultKind::kLeftStands;
+    return std::string("the ") + (left ? "left" : "right") + " wheel never moved while the other " +
+           "rolled " + std::to_string(fault.travel_m) + " m, expected both to turn";
+  }
+  return "steps that are faster than odometry.max_wheel_speed_mps come again and again, expected "
+         "none; is it the travel since the start in metres, and are the stamps right?";
 }
 
 }  // namespace
 
 Result<WheelLog> read_wheel_log(const std::filesystem::path& path, const std::string& interface,
-                                WheelDecoder decoder) {
-  auto can = read_can_log(path, interface);
+                                WheelDecoder decoder, std::optional<Time> start) {
+  auto can = read_can_log(path, interface, start);
   if (!can.ok()) return can.error();
   WheelLog log;
+  log.is_can = true;
+  log.expected_ids = decoder.ids();
   log.can = std::move(*can);
   for (const CanFrame& frame : log.can.frames) decode_frame(frame, decoder, log);
   log.can.frames = {};
   log.decoder = decoder.counters();
+  log.fault = decoder.fault();
   log.malformed = log.can.malformed;
   if (log.malformed > 0) {
     log.first_malformed =
-        log.can.first_malformed + ": malformed line, expected '(seconds) interface ID#DATA'";
+        log.can.first_malformed +
+        ": malformed line, expected '(seconds) interface ID#DATA' or another form of candump";
   }
-  return unless_empty(std::move(log), path);
+  return check_log(std::move(log), path);
 }
 
-Result<WheelLog> unless_empty(WheelLog log, const std::filesystem::path& path) {
-  if (!log.samples.empty()) return log;
-  std::string message = path.string() + ": holds no odometry";
+Result<WheelLog> check_log(WheelLog log, const std::filesystem::path& path) {
+  std::string message = path.string() + ": ";
+  if (log.fault.kind != WheelFaultKind::kNone) {
+    message += log.is_can ? wheel_fault_text(log.fault) : file_fault_text(log.fault);
+  } else if (log.samples.empty()) {
+    message += "holds no odometry";
+  } else {
+    return log;
+  }
   for (const std::string& trouble : describe_log(log, path)) message += "\n" + trouble;
   return Error{message};
 }
@@ -80,8 +131,15 @@ std::vector<std::string> describe_log(const WheelLog& log, const std::filesystem
                     (log.malformed > 1 ? "; " + std::to_string(log.malformed - 1) + " more" : ""));
   }
   tell(log.can.other_interfaces, "frames of other interfaces, ignored");
-  tell(log.can.other_frames, "remote, FD or error frames, ignored");
+  tell(log.can.other_frames, "remote or error frames, ignored");
+  tell(log.can.fd_frames, "CAN FD frames, ignored: wheels are read from classic frames alone");
+  tell(log.can.drop_reports, "times candump lost frames: record with a larger buffer, -r");
+  if (log.can.local_dates) {
+    lines.push_back(name + "dates (candump -tA) name no time zone, taken as UTC; record with "
+                           "candump -L, or set odometry.log_start_s");
+  }
   if (!log.unknown_ids.empty()) lines.push_back(name + unknown_text(log));
+  for (const std::string& other : other_lengths(log)) lines.push_back(name + other);
   tell(log.decoder.late, "odometry readings whose stamps do not rise, refused");
   tell(log.decoder.short_frames, "odometry frames that are too short, refused");
   tell(log.decoder.invalid, "odometry readings with impossible values, refused");

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,19 +23,23 @@ struct WheelLog {
   WheelDecoderCounters decoder;
   std::size_t malformed = 0;
   std::string first_malformed;  // "path:line: what was expected"
+  WheelFault fault;
   // Of CAN logs.
-  std::map<std::uint32_t, std::size_t> unknown_ids;  // and how often each came
-  std::size_t further_unknown = 0;                   // frames of ids that found no room there
-  CanLog can;                                        // without its frames: those were decoded
+  bool is_can = false;
+  CanIds expected_ids;                         // those of the codec
+  std::map<CanId, std::size_t> unknown_ids;    // and how often each came
+  std::size_t further_unknown = 0;             // frames of ids that found no room there
+  CanLog can;                                  // without its frames: those were decoded
 };
 
-// From a CAN log. `decoder` is that of the robot's base. Malformed lines are counted. A log without
-// any sample is an error.
+// From a CAN log. `decoder` is that of the robot's base, `start` as parse_can_log() takes it.
+// Malformed lines are counted. As check_log(), an error when there is no odometry in it.
 Result<WheelLog> read_wheel_log(const std::filesystem::path& path, const std::string& interface,
-                                WheelDecoder decoder);
+                                WheelDecoder decoder, std::optional<Time> start = std::nullopt);
 
-// The log, or the error that it holds no odometry, with all that is odd about it.
-Result<WheelLog> unless_empty(WheelLog log, const std::filesystem::path& path);
+// The log, or the error that it holds no odometry, or numbers that cannot be wheels; then with all
+// that is odd about it.
+Result<WheelLog> check_log(WheelLog log, const std::filesystem::path& path);
 
 // One line for each kind of trouble in the log.
 std::vector<std::string> describe_log(const WheelLog& log, const std::filesystem::path& path);

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -22,25 +23,28 @@ using namespace zenith;  // NOLINT(google-build-using-namespace)
 
 constexpr LineLimits kLimits = {1 << 20, 256};
 
-void read_can(std::string_view text) {
+void read_can(std::string_view text, std::optional<Time> start) {
   InputLines lines(text, "can0.log", kLimits);
-  const auto log = parse_can_log(lines, "can0");
-  require(log.ok() == lines.status().ok());
-  if (!log) return;
+  const auto log = parse_can_log(lines, "can0", start);
+  require(!log.ok() || lines.status().ok());
+  if (!log) {
+    require(log.error().message.starts_with("can0.log"));
+    return;
+  }
   require((log->malformed == 0) == log->first_malformed.empty());
   WheelDecoder decoder;
   Time last = {-1};
   for (const CanFrame& frame : log->frames) {
-    require(frame.length <= 8);
+    require(frame.length <= 8 && frame.stamp.ns >= 0);
     if (const auto sample = decoder.decode(frame)) {
       require(sample->stamp > last);
       last = sample->stamp;
     }
     const std::string line = format_candump(frame, "can0");
-    CanFrame again;
-    std::string_view interface;
-    require(parse_candump(line, again, interface) == CandumpLine::kFrame);
-    require(interface == "can0" && again.id == frame.id && again.length == frame.length);
+    const CandumpRecord record = parse_candump(line);
+    const CanFrame& again = record.frame;
+    require(record.line == CandumpLine::kFrame && record.stamp == CandumpStamp::kSeconds);
+    require(record.interface == "can0" && again.id == frame.id && again.length == frame.length);
     require(again.extended == frame.extended && again.data == frame.data);
     require(again.stamp.ns == frame.stamp.ns / 1000 * 1000);
   }
@@ -106,7 +110,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string_view text(reinterpret_cast<const char*>(data + 1), size - 1);
   switch ((data[0] + 2U) % 5) {  // '0' to '4'
     case 0:
-      read_can(text);
+      read_can(text, std::nullopt);
+      read_can(text, Time{5'000'000'000});
       break;
     case 1:
       read_frames(text);

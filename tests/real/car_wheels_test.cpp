@@ -73,9 +73,9 @@ TEST_F(CarWheels, EverySpeedIsWhatTheOtherProgramDecoded) {
   std::size_t others = 0;
   std::string line;
   while (std::getline(log, line)) {
-    CanFrame frame;
-    std::string_view interface;
-    ASSERT_EQ(parse_candump(line, frame, interface), CandumpLine::kFrame) << line;
+    const CandumpRecord record = parse_candump(line);
+    const CanFrame& frame = record.frame;
+    ASSERT_EQ(record.line, CandumpLine::kFrame) << line;
     if (id_of(frame) != signals[0].id) {
       ++others;
       continue;

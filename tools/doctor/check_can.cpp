@@ -10,13 +10,13 @@
 namespace zenith::tools {
 namespace {
 
-std::string id_text(std::uint32_t id) {
-  char text[16];
-  std::snprintf(text, sizeof text, "0x%X", id);
+std::string id_text(const CanId& id) {
+  char text[32];
+  std::snprintf(text, sizeof text, id.extended ? "0x%08X (29 bits)" : "0x%X", id.id);
   return text;
 }
 
-std::string ids_text(const std::map<std::uint32_t, std::uint64_t>& by_id) {
+std::string ids_text(const std::map<CanId, std::uint64_t>& by_id) {
   constexpr std::size_t kMost = 8;
   std::string text;
   std::size_t shown = 0;
@@ -130,7 +130,7 @@ TrafficFacts listen_to(CanBus& bus, WheelDecoder decoder, Duration how_long) {
   while (monotonic_now() < begin + how_long && bus.state() != CanState::kDown) {
     const std::size_t count = bus.receive({20'000'000}, frames);
     for (std::size_t i = 0; i < count; ++i) {
-      ++facts.by_id[frames[i].id];
+      ++facts.by_id[id_of(frames[i])];
       const auto sample = decoder.decode(frames[i]);
       if (!sample) continue;
       const double travel = sample->left_m + sample->right_m;
@@ -140,6 +140,7 @@ TrafficFacts listen_to(CanBus& bus, WheelDecoder decoder, Duration how_long) {
   }
   facts.seconds = (monotonic_now() - begin).seconds();
   facts.decoder = decoder.counters();
+  facts.fault = decoder.fault();
   facts.counters = bus.counters();
   bus.close();
   return facts;
@@ -172,10 +173,21 @@ Finding check_wheels(const TrafficFacts& facts, const CanIds& expected, const st
   const std::string what = "wheels";
   if (facts.counters.frames == 0) return skip(what, "no CAN frame came");
   std::string wanted;
-  for (const CanId& id : expected) wanted += (wanted.empty() ? "" : ", ") + id_text(id.id);
+  for (const CanId& id : expected) wanted += (wanted.empty() ? "" : ", ") + id_text(id);
   const WheelDecoderCounters& d = facts.decoder;
   if (d.unknown_ids == facts.counters.frames) {
-    return fail(what, "the codec " + codec + " reads " + wanted + ", none of which came",
+    for (const CanId& id : expected) {
+      const CanId other = {id.id, !id.extended};
+      if (!facts.by_id.contains(other)) continue;
+      return fail(what,
+                  "the codec " + codec + " reads " + id_text(id) + "; what came is " +
+                      id_text(other) + ", an identifier of the other length",
+                  id.extended ? "configure 11 bits: in a DBC file, take 2147483648 from its number"
+                              : "configure 29 bits: in a DBC file, add 2147483648 to its number");
+    }
+    return fail(what,
+                "the codec " + codec + " reads " + wanted + ", none of which came; on the bus: " +
+                    ids_text(facts.by_id),
                 "correct odometry.codec or its identifiers; some bases must be told to send");
   }
   if (d.samples == 0) {
@@ -184,6 +196,10 @@ Finding check_wheels(const TrafficFacts& facts, const CanIds& expected, const st
                             " without the other wheel's";
     return fail(what, "frames of " + codec + " came, but no travel: " + bad,
                 "correct the section [odometry." + codec + "]");
+  }
+  if (facts.fault.kind != WheelFaultKind::kNone) {
+    return fail(what, wheel_fault_text(facts.fault), "correct the section [odometry]",
+                "candump -x can0");
   }
   const double rate = static_cast<double>(d.samples) / std::max(facts.seconds, 1e-3);
   std::string found = rate_text_of(static_cast<double>(d.samples), facts.seconds) + " by " + codec;

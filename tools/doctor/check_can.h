@@ -20,8 +20,9 @@ Finding check_can_controller(const std::string& name, const CanLink& link);
 struct TrafficFacts {
   std::string problem;  // it could not be opened
   double seconds = 0.0;
-  std::map<std::uint32_t, std::uint64_t> by_id;
+  std::map<CanId, std::uint64_t> by_id;
   WheelDecoderCounters decoder;
+  WheelFault fault;
   CanCounters counters;
   std::uint64_t distinct_travel = 0;  // samples that moved: the base drives
 };

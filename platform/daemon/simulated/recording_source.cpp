@@ -85,7 +85,7 @@ Status RecordingSource::load_wheels(const RobotFile& robot) {
   const auto file = find_odometry(config_.folder, robot.can_interface);
   if (!file) return file.error();
   if (file->format == OdometryFormat::kCanLog) {
-    auto can = read_can_log(file->path, robot.can_interface);
+    auto can = read_can_log(file->path, robot.can_interface, robot.log_start());
     if (!can) return can.error();
     odometry_ = robot.odometry;
     can_ = std::move(can->frames);

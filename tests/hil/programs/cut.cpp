@@ -46,9 +46,8 @@ Result<std::vector<CanFrame>> read_can(const fs::path& recording) {
   std::vector<CanFrame> frames;
   std::string line;
   while (std::getline(in, line)) {
-    CanFrame frame;
-    std::string_view interface;
-    if (parse_candump(line, frame, interface) == CandumpLine::kFrame) frames.push_back(frame);
+    const CandumpRecord record = parse_candump(line);
+    if (record.line == CandumpLine::kFrame) frames.push_back(record.frame);
   }
   if (frames.empty()) return Error{path.string() + ": no CAN frame; is it a recording?"};
   return frames;

@@ -52,6 +52,19 @@ TEST(Health, MapsAndMerges) {
   EXPECT_THAT(status_text(report, at(report, now)), HasSubstr("merged with 1 peer"));
 }
 
+TEST(Health, IsDegradedByWheelsThatCannotBeWheels) {
+  const Time now = kStart + Duration{60 * kSecond};
+  PerceptionReport report = mapping(now);
+  report.wheel_fault.kind = WheelFaultKind::kNonsense;
+  EXPECT_EQ(at(report, now).light, RobotLight::kDegraded);
+  EXPECT_EQ(at(report, now).reason, kWheelsReadWrong);
+  report.wheel_fault.kind = WheelFaultKind::kRightStands;
+  EXPECT_EQ(at(report, now).reason, kWheelStands);
+  report.has_pose = false;
+  EXPECT_EQ(at(report, now).light, RobotLight::kStarting);
+  EXPECT_EQ(at(report, now).reason, kWheelStands);
+}
+
 TEST(Health, IsDegradedWhileTheRobotIsLost) {
   const Time now = kStart + Duration{60 * kSecond};
   PerceptionReport report = mapping(now);

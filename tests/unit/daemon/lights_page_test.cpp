@@ -81,6 +81,12 @@ std::set<std::string> reasons() {
       const Health health = judge_health(judged, {10, 0}, {}, kNow);
       if (!health.reason.empty()) all.insert(health.reason);
     }
+    for (const WheelFaultKind kind : {WheelFaultKind::kNonsense, WheelFaultKind::kLeftStands}) {
+      PerceptionReport faulty = report;
+      faulty.wheel_fault.kind = kind;
+      const Health health = judge_health(faulty, {10, 0}, {}, kNow);
+      if (!health.reason.empty()) all.insert(health.reason);
+    }
     for (const std::uint64_t missed : {0, 9}) {
       const Health health = judge_health(report, {10, missed}, {}, kNow);
       if (!health.reason.empty()) all.insert(health.reason);

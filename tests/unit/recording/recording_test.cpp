@@ -1,5 +1,7 @@
 #include "platform/recording/recording.h"
 
+#include <cstdio>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -216,6 +218,34 @@ TEST_F(RecordingTest, RefusesALogThatHoldsNoTravel) {
       layout::can_log(folder_, "can0"),
       "(1436509052.0) can0 311#0000000000000000\n(1436509053.0) can0 311#0000000000000000\n");
   EXPECT_THAT(read_all(), HasSubstr("no time in common"));
+}
+
+// The bus has the right number with the other length: named as such, with what was expected.
+TEST_F(RecordingTest, NamesIdentifiersOfTheOtherLength) {
+  std::string log = read_text(layout::can_log(folder_, "can0"));
+  for (std::size_t at = 0; (at = log.find(" 311#", at)) != std::string::npos; ++at) {
+    log.replace(at, 5, " 00000311#");
+  }
+  write_text(layout::can_log(folder_, "can0"), log);
+  EXPECT_THAT(read_all(),
+              AllOf(HasSubstr("holds no odometry"),
+                    HasSubstr("does not know: 00000311 (61); it expects 311"),
+                    HasSubstr("61 frames of 00000311, a 29-bit identifier; the codec expects 11")));
+}
+
+TEST_F(RecordingTest, WheelsThatCannotBeWheelsAreAnError) {
+  // The same drive, its counters' bytes the other way round.
+  std::string log;
+  for (int i = 0; i <= 60; ++i) {
+    char line[80];
+    std::snprintf(line, sizeof line, "(000000000%d.%06d) can0 311#%02X%02X0000%02X%02X0000\n",
+                  1 + i / 50, i % 50 * 20'000, 10 * i & 0xFF, 10 * i >> 8, 11 * i & 0xFF,
+                  11 * i >> 8);
+    log += line;
+  }
+  write_text(layout::can_log(folder_, "can0"), log);
+  EXPECT_THAT(read_all(), AllOf(HasSubstr("can0.log: the wheels are read wrong"),
+                                HasSubstr("byte order")));
 }
 
 TEST_F(RecordingTest, RefusesBadRobots) {

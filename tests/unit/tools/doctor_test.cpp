@@ -394,13 +394,16 @@ TEST_F(DoctorTest, WhatComesOnTheBus) {
 
   facts = {};
   facts.seconds = 2.0;
-  facts.by_id[0x123] = 200;
+  facts.by_id[{0x123, false}] = 200;
   facts.counters.frames = 200;
   facts.decoder.unknown_ids = 200;
   EXPECT_THAT(check_can_traffic("can0", facts),
               Says(Verdict::kOk, "100 a second, identifiers 0x123"));
   EXPECT_THAT(check_wheels(facts, WheelDecoder().ids(), "agilex_v2"),
-              Says(Verdict::kFail, "reads 0x311"));
+              Says(Verdict::kFail, "reads 0x311, none of which came; on the bus: 0x123"));
+  facts.by_id[{0x311, true}] = 100;
+  EXPECT_THAT(check_wheels(facts, WheelDecoder().ids(), "agilex_v2"),
+              Says(Verdict::kFail, "reads 0x311; what came is 0x00000311 (29 bits)"));
   facts.decoder = {};
   facts.decoder.short_frames = 200;
   EXPECT_THAT(check_wheels(facts, {}, "vesc"), Says(Verdict::kFail, "200 too short"));
@@ -410,6 +413,9 @@ TEST_F(DoctorTest, WhatComesOnTheBus) {
   facts.decoder.samples = 200;
   facts.distinct_travel = 90;
   EXPECT_THAT(check_wheels(facts, {}, "vesc"), Says(Verdict::kOk, "100 a second by vesc, driving"));
+  facts.fault.kind = WheelFaultKind::kLeftStands;
+  EXPECT_THAT(check_wheels(facts, {}, "vesc"), Says(Verdict::kFail, "the left wheel never moved"));
+  facts.fault = {};
   facts.decoder.invalid = 2;
   EXPECT_THAT(check_wheels(facts, {}, "vesc"), Says(Verdict::kWarn, "2 refused"));
   facts.decoder.error_reports = 1;

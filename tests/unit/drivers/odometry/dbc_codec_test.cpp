@@ -43,6 +43,27 @@ TEST(DbcCodec, PositionsAreCountersOfTheirLengthUnlessFloats) {
   EXPECT_FALSE(news.right.has_value());
 }
 
+TEST(DbcCodec, MultiplexedWheelsComeInTheirFrames) {
+  Codec codec = {kLeft, kRight};
+  DbcCondition page;
+  page.selector = {.id = {0x0AA}, .start_bit = 32, .bit_length = 8};
+  page.ranges.push_back({1, 2});
+  codec.left_when.push_back(page);
+  const auto use = [&](std::uint8_t selector) {
+    const WheelNews news = codec.read(frame_of({0x0AA}, {0x25, 0xB5, 0x26, 0xA1, selector}));
+    EXPECT_EQ(news.use, FrameUse::kReading);
+    EXPECT_TRUE(news.right.has_value());
+    return news.left.has_value();
+  };
+  EXPECT_FALSE(use(0));
+  EXPECT_TRUE(use(1));
+  EXPECT_TRUE(use(2));
+  EXPECT_FALSE(use(3));
+  EXPECT_EQ(codec.read(frame_of({0x0AA}, {0x25, 0xB5, 0x26, 0xA1})).use, FrameUse::kTooShort);
+  codec.right_when = codec.left_when;
+  EXPECT_EQ(codec.read(frame_of({0x0AA}, {0x25, 0xB5, 0x26, 0xA1, 0})).use, FrameUse::kNoTravel);
+}
+
 TEST(DbcCodec, KnowsItsFramesFromOthers) {
   const Codec codec = {kLeft, kRight};
   EXPECT_EQ(codec.read(frame_of({0x0AA}, {0x25, 0xB5, 0x26})).use, FrameUse::kTooShort);
