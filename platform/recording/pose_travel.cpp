@@ -22,11 +22,18 @@ constexpr double kMostLean_rad = 20.0 * std::numbers::pi / 180.0;
 // Of stamps and poses: what a step may be longer than the limits allow.
 constexpr double kJitter_m = 0.01;
 constexpr double kJump_m = 1e5;
+// The travel so far is told in whole tenths of a millimetre, as a fine encoder would: what rounding
+// left in the poses is then no motion, and standing is standing. It does not add up.
+constexpr double kUnitsPerMetre = 1e4;
 // Sideways travel is judged over pieces of this much travel or turn: within them rounding cancels.
 constexpr double kPiece_m = 0.2;
 constexpr double kPiece_rad = 0.3;
 constexpr double kMostSideways = 0.1;  // of the travel of the wheels
 constexpr double kLeastSideways_m = 0.1;
+
+double on_grid(double travel_m) {
+  return std::round(travel_m * kUnitsPerMetre) / kUnitsPerMetre;
+}
 
 // Sideways against wheels' travel, piece by piece.
 class SidewaysTravel {
@@ -93,8 +100,8 @@ class PoseTravel {
       last_ = pose;
     }
     WheelNews news;
-    news.left = WheelReading{.value = left_m_};
-    news.right = WheelReading{.value = right_m_};
+    news.left = WheelReading{.value = on_grid(left_m_)};
+    news.right = WheelReading{.value = on_grid(right_m_)};
     if (const auto sample = decoder_.take(pose.stamp, news)) log.samples.push_back(*sample);
     return {};
   }
