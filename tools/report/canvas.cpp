@@ -145,6 +145,17 @@ void Canvas::vertical_text(const Eigen::Vector2d& at, const std::string& text, d
   cv::min(target, turned, target);
 }
 
+void Canvas::image(const Eigen::Vector2d& corner, const cv::Mat& grey, double width) {
+  const double scale = width * kOversampling / grey.cols;
+  const cv::Size size(static_cast<int>(std::round(grey.cols * scale)),
+                      static_cast<int>(std::round(grey.rows * scale)));
+  const cv::Rect place = cv::Rect(whole(corner), size) & cv::Rect({}, page_.size());
+  if (place.size() != size) return;
+  cv::Mat resized;
+  cv::resize(grey, resized, size, 0.0, 0.0, cv::INTER_AREA);
+  cv::cvtColor(resized, page_(place), cv::COLOR_GRAY2BGR);
+}
+
 Status write_picture(const std::filesystem::path& path, const cv::Mat& picture) {
   std::vector<std::uint8_t> bytes;
   bool encoded = false;

@@ -43,6 +43,8 @@ class Canvas {
   // `at` is the lower end of a text that runs upwards.
   void vertical_text(const Eigen::Vector2d& at, const std::string& text, double size,
                      Colour colour);
+  // A grey image, its upper left corner at `corner`, so wide on the page.
+  void image(const Eigen::Vector2d& corner, const cv::Mat& grey, double width);
   double text_width(const std::string& text, double size, bool bold = false) const;
 
   Status save(const std::filesystem::path& path) const;
