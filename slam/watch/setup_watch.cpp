@@ -21,7 +21,12 @@ constexpr double kForgetWay_m = 30.0;
 constexpr int kDecideEvery = 4;  // intervals
 // An interval that is off by more counts less, as in Huber's loss.
 constexpr double kPlain_m = 0.02;
+constexpr double kPlainShift = 0.06;  // tangents
 constexpr double kSlip_rad = 4.0 * kDegree;
+// An interval of which the scale of turns is learned: turns so much, and fits so well.
+constexpr double kLeastTurn_rad = 3.0 * kDegree;
+constexpr double kPlainTurn_rad = 2.0 * kDegree;
+constexpr double kTurnScaleSigma = 0.02;
 constexpr int kSlipsInRow = 12;
 // Enough to judge by: intervals, and standard deviations of the fit.
 constexpr double kLeastIntervals = 10.0;
@@ -38,15 +43,25 @@ constexpr double kUnexplained = 0.15;  // of the seen turns' power
 // Amounts: beyond the first the map suffers, beyond the second it cannot be used.
 constexpr SetupWatch::Bounds kYawBounds = {2.5 * kDegree, 8.0 * kDegree};
 constexpr SetupWatch::Bounds kUnequalBounds = {0.03, 0.1};
-constexpr SetupWatch::Bounds kScaleBounds = {0.04, 0.05};
+// Of the turns' scale: in standard deviations of a track width that was measured with a rule.
+constexpr double kTrackSigma = 0.01;
+constexpr SetupWatch::Bounds kScaleBounds = {3.6, 5.0};
 constexpr SetupWatch::Bounds kDelayBounds_s = {0.03, 0.08};
-constexpr SetupWatch::Bounds kJitterBounds_s = {0.012, 1.0};
+constexpr SetupWatch::Bounds kJitterBounds_s = {0.01, 1.0};
 constexpr SetupWatch::Bounds kVerticalBounds = {0.045, 0.1};
+constexpr SetupWatch::Bounds kAheadBounds = {0.0105, 0.045};
+constexpr SetupWatch::Bounds kFocalBounds = {0.04, 0.08};
+constexpr double kFocalSigma = 0.02;
+constexpr double kAheadSigma = 0.01;
 constexpr double kDelayGain = 1.15;
 constexpr double kExplained = 0.1;  // share of the turns' power that may be left
 // A running mean over some 30 comparisons in which the picture moved.
 constexpr double kStandingRate = 0.03;
 constexpr double kStandingShare = 0.1;
+
+std::complex<double> shift_of(const WheelFit& fit, const Eigen::Vector2d& u) {
+  return u.x() * fit.beta1 + u.y() * fit.beta2;
+}
 
 }  // namespace
 
@@ -97,7 +112,7 @@ void SetupWatch::compare(Time stamp, std::span<const Feature> features) {
     take_reference(stamp, features);
     return;
   }
-  const VisualMotion seen = visual_motion(reference_, features);
+  const VisualMotion seen = visual_motion(reference_, features, expected_shift());
   const Wheels& w = robot_.wheels;
   const double told_m =
       std::max(std::abs(w.left_scale * (last_total_.left_m - reference_total_.left_m)),
@@ -109,6 +124,17 @@ void SetupWatch::compare(Time stamp, std::span<const Feature> features) {
     waiting_.clear();  // the wheels are away
   }
   take_reference(stamp, features);
+}
+
+// By the wheels since the reference, and by what the fit makes of them.
+std::optional<Eigen::Vector2d> SetupWatch::expected_shift() const {
+  const WheelFit& f = best_.fit;
+  if (!f.known || f.n < kLeastIntervals) return {};
+  const Wheels& w = robot_.wheels;
+  const double left = w.left_scale * (last_total_.left_m - reference_total_.left_m);
+  const double right = w.right_scale * (last_total_.right_m - reference_total_.right_m);
+  const std::complex<double> shift = shift_of(f, {0.5 * (left + right), 0.5 * (right - left)});
+  return Eigen::Vector2d(shift.real(), shift.imag());
 }
 
 void SetupWatch::add_waiting() {
@@ -151,17 +177,26 @@ void SetupWatch::add(const Interval& interval) {
   const bool slips = measures_.judged && std::abs(rest_rad) > kSlip_rad;
   slips_in_row_ = slips ? slips_in_row_ + 1 : 0;
   const double off = std::abs(turn_m - now.y());
-  const double weight = off > kPlain_m ? kPlain_m / off : 1.0;
+  const double shift_off =
+      best_.fit.known ? std::abs(shift - shift_of(best_.fit, told(interval, known_delay()))) : 0.0;
+  const double weight = std::min({1.0, kPlain_m / off, kPlainShift / shift_off});
   if (!slips || slips_in_row_ > kSlipsInRow) add_to_fits(interval, turn_m, shift, weight, fade);
   forward_m_ = fade * forward_m_ + now.x();
   straight_m_ += std::abs(now.x());
   ++added_;
+  lens_.add(seen.lens, fade);
   note_standing(seen, interval.to);
-  if (measures_.judged && signs_right_ && !slips) note_jitter(interval, rest_rad, fade);
+  if (measures_.judged && signs_right_ && !slips) {
+    note_turn(interval, rest_rad, fade);
+    note_jitter(interval, rest_rad, fade);
+  }
   if (!measures_.judged || !signs_right_ || verdict_.state == VerdictState::kWrong) {
     slips_ = {};
   } else {
-    slips_.add(seen, motion, interval_s, 1.0 / measures_.height_m, interval.to, reasons_);
+    // By the set-up as it is: a track width that is a little off turns no corner into a slip.
+    const double scale = turn_scale_.sigma() < kTurnScaleSigma ? turn_scale_.value() : 1.0;
+    slips_.add(seen, {motion.forward_m, scale * motion.turn_rad}, interval_s,
+               1.0 / measures_.height_m, interval.to, reasons_);
   }
   if (added_ % kDecideEvery == 0) decide(interval.to);
 }
@@ -186,6 +221,15 @@ double SetupWatch::rest_of_turn(const Interval& interval) const {
   const Eigen::Vector2d u = told(interval, known_delay());
   return interval.seen.turn_rad - (best_.fit.alpha1 * u.x() + best_.fit.alpha2 * u.y()) /
                                       (0.5 * robot_.wheels.track_width_m);
+}
+
+void SetupWatch::note_turn(const Interval& interval, double rest_rad, double fade) {
+  const double half_track_m = 0.5 * robot_.wheels.track_width_m;
+  const Eigen::Vector2d u = told(interval, known_delay());
+  if (std::abs(u.y()) < kLeastTurn_rad * half_track_m || std::abs(rest_rad) > kPlainTurn_rad)
+    return;
+  turn_scale_.add(u.x(), u.y(), interval.seen.turn_rad * half_track_m - best_.fit.alpha1 * u.x(),
+                  fade);
 }
 
 void SetupWatch::note_jitter(const Interval& interval, double rest_rad, double fade) {
@@ -222,13 +266,16 @@ void SetupWatch::decide(Time now) {
   measures_.intervals = added_;
   const WheelFit& f = best_.fit;
   if (!f.known) return;
-  measures_.turn_scale = f.alpha2;
+  measures_.turn_scale = turn_scale_.sigma() < kTurnScaleSigma ? turn_scale_.value() : f.alpha2;
   measures_.wheel_balance = f.alpha1;
   measures_.yaw_error_rad = std::arg(f.beta1);
   measures_.height_m = std::abs(f.beta1) > 0.0 ? 1.0 / std::abs(f.beta1) : 0.0;
   measures_.delay_s = best_.delay_s;
   measures_.unexplained = f.turn_rest;
   measures_.vertical = vertical(f);
+  measures_.lens = lens_.error();
+  const double scale_sigma = std::hypot(kTrackSigma, turn_scale_.sigma());
+  measures_.metre_checked_to = std::min(kScaleBounds.doubtful * scale_sigma, 1.0);
   if (f.n < kLeastIntervals) return;
   const bool turns_known = f.alpha2_sigma < kScaleSigma && f.alpha2 > kCross;
   const bool straight_known =
@@ -240,6 +287,7 @@ void SetupWatch::decide(Time now) {
   if (!measures_.judged) return;
   judge_straight(f, now);
   if (turns_known) judge_turns(best_, now);
+  judge_axis(f, turns_known, now);
 }
 
 // The turns tell whether left and right are exchanged or reversed, the direction of straight
@@ -283,6 +331,30 @@ bool SetupWatch::judge_signs(const WheelFit& f, Time now) {
   return !wrong && (clear || std::abs(direction) < kTurned);
 }
 
+// Where the vertical lies: by turns, and ahead by straight driving, which shows it better.
+void SetupWatch::judge_axis(const WheelFit& f, bool turns_known, Time now) {
+  const LensError& lens = measures_.lens;
+  const double ahead =
+      lens.ahead_sigma < kAheadSigma ? std::abs(lens.ahead) - 2.0 * lens.ahead_sigma : 0.0;
+  double off = ahead;
+  double tangent = lens.ahead;
+  Bounds bounds = kAheadBounds;
+  if (turns_known) {
+    // Across the direction of driving the ceiling's heights blur what is seen, along it they do
+    // not.
+    const double half_track_m = 0.5 * robot_.wheels.track_width_m;
+    const double along = std::abs(measures_.vertical.x()) - 2.0 * half_track_m * f.beta2_left_sigma;
+    const double across = std::abs(measures_.vertical.y()) - 3.0 * half_track_m * f.beta2_sigma;
+    const double turned = std::max(along, across);
+    if (turned / kVerticalBounds.doubtful > ahead / kAheadBounds.doubtful) {
+      off = turned;
+      tangent = measures_.vertical.norm();
+      bounds = kVerticalBounds;
+    }
+  }
+  give(SetupCode::kLensWrong, off, bounds, std::atan(std::abs(tangent)) / kDegree, now);
+}
+
 // found: doubtful beyond the first bound, wrong beyond the second.
 void SetupWatch::give(SetupCode code, double found, Bounds bounds, double value, Time now) {
   reasons_.set(code, found > bounds.doubtful,
@@ -296,26 +368,22 @@ void SetupWatch::judge_straight(const WheelFit& f, Time now) {
        now);
   give(SetupCode::kWheelsUnequal, std::abs(f.alpha1) - 2.0 * f.alpha1_sigma, kUnequalBounds,
        -f.alpha1 / (0.5 * robot_.wheels.track_width_m) / kDegree, now);
+  const LensError& lens = measures_.lens;
+  const double focal = std::abs(lens.focal) - 2.0 * lens.focal_sigma;
+  give(SetupCode::kFocalWrong, lens.focal_sigma < kFocalSigma ? focal : 0.0, kFocalBounds,
+       100.0 * lens.focal, now);
 }
 
 void SetupWatch::judge_turns(const DelayedFits::Best& best, Time now) {
   using enum SetupCode;
   const WheelFit& f = best.fit;
-  // Noise of the wheels makes the slope too small, noise of the camera the inverse fit's slope too
-  // large: the truth lies between them.
-  const double most = f.alpha2 / (1.0 - std::min(f.turn_rest, 0.5));
-  const double off_scale = std::max({f.alpha2 - 1.0, 1.0 - most, 0.0});
-  give(kTurnScale, off_scale - 0.5 * f.alpha2_sigma, kScaleBounds, 1.0 / f.alpha2, now);
+  const double scale = turn_scale_.value();
+  const double off_scale = std::abs(scale - 1.0) / std::hypot(kTrackSigma, turn_scale_.sigma());
+  give(kTurnScale, off_scale, kScaleBounds, 1.0 / scale, now);
   const bool sure = std::abs(best.delay_s) > 3.5 * best.sigma_s && best.gain > kDelayGain &&
                     f.turn_rest < kExplained;
   give(kStampsApart, sure ? std::abs(best.delay_s) : 0.0, kDelayBounds_s, 1e3 * best.delay_s, now);
   give(kStampsJitter, measures_.jitter_s, kJitterBounds_s, 1e3 * measures_.jitter_s, now);
-  // Across the direction of driving the ceiling's heights blur what is seen, along it they do not.
-  const double half_track_m = 0.5 * robot_.wheels.track_width_m;
-  const double along = std::abs(measures_.vertical.x()) - 2.0 * half_track_m * f.beta2_left_sigma;
-  const double across = std::abs(measures_.vertical.y()) - 3.0 * half_track_m * f.beta2_sigma;
-  give(kLensWrong, std::max(along, across), kVerticalBounds,
-       std::atan(measures_.vertical.norm()) / kDegree, now);
 }
 
 }  // namespace zenith

@@ -11,17 +11,20 @@
 // every kCompare.
 
 #include <array>
+#include <optional>
 #include <span>
 
 #include "slam/filter/motion.h"
 #include "slam/image/feature.h"
 #include "slam/robot.h"
+#include "slam/watch/lens_fit.h"
 #include "slam/watch/measures.h"
 #include "slam/watch/picture_watch.h"
 #include "slam/watch/reasons.h"
 #include "slam/watch/slip_watch.h"
 #include "slam/watch/stamp_jitter.h"
 #include "slam/watch/travel_grid.h"
+#include "slam/watch/turn_scale.h"
 #include "slam/watch/verdict.h"
 #include "slam/watch/visual_motion.h"
 #include "slam/watch/wheel_fit.h"
@@ -65,6 +68,7 @@ class SetupWatch {
 
   void compare(Time stamp, std::span<const Feature> features);
   void take_reference(Time stamp, std::span<const Feature> features);
+  std::optional<Eigen::Vector2d> expected_shift() const;
   void add_waiting();
   void add(const Interval& interval);
   Eigen::Vector2d told(const Interval& interval, Duration delay) const;
@@ -72,6 +76,7 @@ class SetupWatch {
                    double weight, double fade);
   Duration known_delay() const;
   double rest_of_turn(const Interval& interval) const;
+  void note_turn(const Interval& interval, double rest_rad, double fade);
   void note_jitter(const Interval& interval, double rest_rad, double fade);
   void note_standing(const VisualMotion& seen, Time now);
   void decide(Time now);
@@ -79,6 +84,7 @@ class SetupWatch {
   bool judge_signs(const WheelFit& fit, Time now);
   void judge_straight(const WheelFit& fit, Time now);
   void judge_turns(const DelayedFits::Best& best, Time now);
+  void judge_axis(const WheelFit& fit, bool turns_known, Time now);
   void give(SetupCode code, double found, Bounds bounds, double value, Time now);
   Eigen::Vector2d vertical(const WheelFit& fit) const;
 
@@ -98,6 +104,8 @@ class SetupWatch {
   DelayedFits fits_;
   DelayedFits::Best best_;  // at the last decision
   StampJitter jitter_;
+  TurnScale turn_scale_;
+  LensFit lens_;
   bool signs_right_ = false;
   int slips_in_row_ = 0;
   bool lost_ = false;

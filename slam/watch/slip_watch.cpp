@@ -15,7 +15,8 @@ constexpr double kMemory_s = 1.2;
 // takes that.
 constexpr double kTurn_rad = 7.5 * kDegree;
 constexpr double kForward_m = 0.07;
-constexpr double kShare = 0.25;  // of these, in one interval
+constexpr double kForwardShare = 0.02;  // of the ceiling's height, under high ones
+constexpr double kShare = 0.25;         // of these, in one interval
 constexpr double kStraight_m = 0.02;
 constexpr double kPlaces = 0.15;  // how fast a new height of the ceiling is learned
 constexpr int kSettled = 4;       // intervals matched in a row
@@ -51,14 +52,15 @@ void SlipWatch::add(const VisualMotion& seen, const ToldMotion& told, double int
   const double forward_off_m = ordinary ? 0.0 : seen_m - told.forward_m;
   forward_m_ += forward_off_m;
   if (ordinary) per_m_ *= std::exp(kPlaces * std::log(ratio));
+  const double least_m = std::max(kForward_m, kForwardShare / per_m_);
   // Told of when it happens: what is left of it in the sums afterwards is no event.
   if (std::abs(turn_rad_) > kTurn_rad && turn_off_rad * turn_rad_ > 0.0 &&
       std::abs(turn_off_rad) > kShare * kTurn_rad) {
     const bool pushed = std::abs(seen.turn_rad) > std::abs(told.turn_rad);
     reasons.happened(pushed ? SetupCode::kRobotPushed : SetupCode::kWheelsSlipped,
                      std::abs(turn_rad_) / kDegree, now);
-  } else if (std::abs(forward_m_) > kForward_m && forward_off_m * forward_m_ > 0.0 &&
-             std::abs(forward_off_m) > kShare * kForward_m) {
+  } else if (std::abs(forward_m_) > least_m && forward_off_m * forward_m_ > 0.0 &&
+             std::abs(forward_off_m) > kShare * least_m) {
     const bool pushed = std::abs(seen_m) > std::abs(told.forward_m);
     reasons.happened(pushed ? SetupCode::kRobotPushed : SetupCode::kWheelsSlipped,
                      100.0 * std::abs(forward_m_), now);

@@ -25,21 +25,23 @@ class StampJitter {
     yy_ += y * y;
   }
 
-  // At least so much, with three standard deviations; 0 while nothing is known.
+  // At least so much, with two and a half standard deviations; 0 while nothing is known.
   double sigma_s() const {
-    if (!(n_ > kLeast)) return 0.0;
+    // Straight driving tells nothing, and few turns may err for other reasons.
+    if (!(n_ > kLeast && x_ * x_ > kLeastTurning * xx_)) return 0.0;
     const double sxx = xx_ - x_ * x_ / n_;
     const double sxy = xy_ - x_ * y_ / n_;
     const double syy = yy_ - y_ * y_ / n_;
     if (!(sxx > 0.0)) return 0.0;
     const double slope = sxy / sxx;
     const double error2 = std::max(0.0, syy - slope * sxy) / ((n_ - 2.0) * sxx);
-    return std::sqrt(std::max(0.0, slope - 3.0 * std::sqrt(error2)));
+    return std::sqrt(std::max(0.0, slope - 2.5 * std::sqrt(error2)));
   }
 
  private:
   static constexpr double kLeast = 30.0;
-  static constexpr double kMost_rad2 = 0.005;  // 4 degrees: beyond, it is a slip
+  static constexpr double kLeastTurning = 16.0;  // intervals, as if all turned alike
+  static constexpr double kMost_rad2 = 0.005;    // 4 degrees: beyond, it is a slip
 
   double n_ = 0.0;
   double x_ = 0.0;

@@ -61,9 +61,13 @@ constexpr std::array<CodeInfo, kSetupCodes> kCodes = {{
      "clock, or correct the offset"},
     {"stamps_jitter", "the stamps of frames or wheels jitter by about ", 0,
      " ms; expected less than 5: use the capture's stamps, not those of their arrival"},
-    {"lens_wrong", "the picture turns about a point ", 1,
+    {"lens_wrong", "the picture turns or converges about a point ", 1,
      " degrees away from the vertical; expected 0: the lens calibration is of another "
      "resolution or crop, or the camera's roll and pitch are wrong"},
+    {"focal_wrong",
+     "corners beside the line of driving swerve as with another focal length; expected straight "
+     "lines: the lens calibration is of another lens, zoom or resolution; calibrate the lens",
+     -1, ""},
     {"picture_frozen",
      "the wheels turn but the camera delivers one and the same picture; expected new ones: "
      "restart the camera or its driver",

@@ -34,6 +34,7 @@ enum class SetupCode : std::uint8_t {
   kStampsApart,
   kStampsJitter,
   kLensWrong,
+  kFocalWrong,
   kPictureFrozen,
   kFramesRepeated,
   kFramesMissing,
@@ -45,7 +46,7 @@ enum class SetupCode : std::uint8_t {
   kViewJumped,
   kLost,
 };
-inline constexpr int kSetupCodes = 23;
+inline constexpr int kSetupCodes = 24;
 
 // As in summary.json, telemetry and docs/verdict.md: "picture_mirrored".
 std::string_view setup_code_name(SetupCode code);

@@ -24,6 +24,8 @@ constexpr double kBin_rad = 2.0 * std::numbers::pi / kBins;
 constexpr double kAround_rad = 3.0 * kBin_rad;  // of the winning direction
 constexpr double kNear = 0.08;                  // tangents: pairs that vote for each other
 constexpr double kTiny = 0.15;                  // how much of its votes a shift of 1 costs
+constexpr double kAsExpected = 0.1;             // tangents
+constexpr double kAsMany = 0.6;                 // of the most votes
 constexpr std::array<double, 4> kTolerances = {0.06, 0.035, 0.02, 0.02};
 // Corners that must agree: fewer near, where accidents are rare.
 constexpr int kLeastNear = 6;
@@ -113,9 +115,15 @@ double vote_rotation(const Pairs& pairs) {
 }
 
 // The image's shift for that rotation.
-Eigen::Vector2d vote_shift(const Pairs& pairs, double rotation_rad) {
+Eigen::Vector2d vote_shift(const Pairs& pairs, double rotation_rad,
+                           const std::optional<Eigen::Vector2d>& expected) {
   const Eigen::Matrix2d R = rotation(rotation_rad);
+  struct Peak {
+    Eigen::Vector2d at;
+    double score = 0.0;
+  };
   FixedVector<Eigen::Vector2d, kMaxPairs> shifts;
+  FixedVector<Peak, kMaxPairs> near_expected;
   for (const Pair& p : pairs) {
     if (std::abs(wrap_angle(p.turned_rad - rotation_rad)) > kAround_rad) continue;
     shifts.push_back(p.after - R * p.before);
@@ -131,9 +139,17 @@ Eigen::Vector2d vote_shift(const Pairs& pairs, double rotation_rad) {
       sum += other;
     }
     const double score = votes * (1.0 - kTiny * std::min(s.norm(), 2.0));
+    if (expected && (sum / votes - *expected).norm() < kAsExpected) {
+      near_expected.push_back({sum / votes, score});
+    }
     if (score <= most) continue;
     most = score;
     best = sum / votes;
+  }
+  for (const Peak& peak : near_expected) {
+    if (peak.score < kAsMany * most) continue;
+    most = peak.score / kAsMany;
+    best = peak.at;
   }
   return best;
 }
@@ -203,12 +219,13 @@ void count_standing(const Pairs& pairs, const Rigid& rigid, VisualMotion& motion
 }
 
 // The motion that most pairs agree on; without inliers when there is none.
-Rigid find_motion(Pairs& pairs, int least, std::array<bool, kMaxPairs>& chosen, int& inliers) {
+Rigid find_motion(Pairs& pairs, int least, const std::optional<Eigen::Vector2d>& expected,
+                  std::array<bool, kMaxPairs>& chosen, int& inliers) {
   Rigid rigid;
   inliers = 0;
   if (static_cast<int>(pairs.size()) < least) return rigid;
   rigid.rotation_rad = vote_rotation(pairs);
-  rigid.shift = vote_shift(pairs, rigid.rotation_rad);
+  rigid.shift = vote_shift(pairs, rigid.rotation_rad, expected);
   for (const double tolerance : kTolerances) {
     inliers = choose(pairs, rigid, tolerance, chosen);
     if (inliers < least) {
@@ -222,6 +239,19 @@ Rigid find_motion(Pairs& pairs, int least, std::array<bool, kMaxPairs>& chosen, 
 
 bool stands(const Pair& p) {
   return (p.after - p.before).squaredNorm() <= kStands * kStands;
+}
+
+LensEvidence lens_evidence(const Pairs& pairs, const std::array<bool, kMaxPairs>& chosen,
+                           const Rigid& rigid) {
+  if (rigid.shift.norm() < kMoves) return {};
+  const Eigen::Matrix2d R = rotation(rigid.rotation_rad);
+  LensInterval interval(rigid.shift);
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    if (!chosen[i]) continue;
+    const Eigen::Vector2d turned = R * pairs[i].before;
+    interval.add(0.5 * (turned + pairs[i].after), pairs[i].after - turned);
+  }
+  return interval.evidence();
 }
 
 double root_mean_square(const Pairs& pairs, const std::array<bool, kMaxPairs>& chosen, int count) {
@@ -242,7 +272,9 @@ void keep_corners(std::span<const Feature> features, KeptCorners& out) {
   }
 }
 
-VisualMotion visual_motion(const KeptCorners& before, std::span<const Feature> after) {
+VisualMotion visual_motion(const KeptCorners& before, std::span<const Feature> after,
+                           std::optional<Eigen::Vector2d> expected) {
+  if (expected) expected = -*expected;  // the picture moves the other way
   VisualMotion motion;
   Pairs pairs;
   std::array<bool, kMaxPairs> chosen;
@@ -251,7 +283,7 @@ VisualMotion visual_motion(const KeptCorners& before, std::span<const Feature> a
     motion.matches = find_pairs(before, after, near, pairs);
     const int share = static_cast<int>(kLeastShare * static_cast<double>(before.size()));
     const int least = near ? kLeastNear : std::max(kLeast, share);
-    rigid = find_motion(pairs, least, chosen, motion.inliers);
+    rigid = find_motion(pairs, least, expected, chosen, motion.inliers);
     if (motion.inliers > 0) break;
   }
   if (motion.inliers == 0) return motion;
@@ -267,7 +299,7 @@ VisualMotion visual_motion(const KeptCorners& before, std::span<const Feature> a
       if (std::none_of(pairs.begin(), pairs.end(), same)) others.push_back(p);
     }
     int inliers = 0;
-    const Rigid second = find_motion(others, kLeastNear, chosen, inliers);
+    const Rigid second = find_motion(others, kLeastNear, {}, chosen, inliers);
     const double moved = inliers > 0 ? root_mean_square(others, chosen, inliers) : 0.0;
     if (moved > kMoves) {
       motion.inliers = inliers;
@@ -275,6 +307,8 @@ VisualMotion visual_motion(const KeptCorners& before, std::span<const Feature> a
       motion.moved = moved;
       rigid = second;
     }
+  } else {
+    motion.lens = lens_evidence(pairs, chosen, rigid);
   }
   motion.known = true;
   motion.turn_rad = -rigid.rotation_rad;

@@ -11,6 +11,7 @@
 //
 // by the closed form of Umeyama, PAMI 1991, without scale.
 
+#include <optional>
 #include <span>
 
 #include <Eigen/Core>
@@ -18,6 +19,7 @@
 #include "platform/base/fixed_vector.h"
 #include "platform/base/time.h"
 #include "slam/image/feature.h"
+#include "slam/watch/lens_fit.h"
 
 namespace zenith {
 
@@ -43,8 +45,13 @@ struct VisualMotion {
   int standing = 0;    // that stay where they were, while the others move
   Eigen::Vector2d standing_at = Eigen::Vector2d::Zero();  // their mean place, tangents
   double moved = 0.0;  // by the inliers, root mean square, tangents
+  LensEvidence lens;   // of the inliers
 };
 
-VisualMotion visual_motion(const KeptCorners& before, std::span<const Feature> after);
+// `expected`: the shift that the wheels lead to (as VisualMotion::shift, before it is turned to the
+// middle), where that is known. It decides between shifts for which about as much speaks, under
+// ceilings that repeat themselves, and nothing else.
+VisualMotion visual_motion(const KeptCorners& before, std::span<const Feature> after,
+                           std::optional<Eigen::Vector2d> expected = {});
 
 }  // namespace zenith

@@ -16,6 +16,8 @@ struct SetupFaults {
   double mount_yaw_rad = 0.0;  // of the true mount, and of the one that is told
   double yaw_error_rad = 0.0;  // told less true
   double tilt_rad = 0.0;       // the rectified image is tilted by so much
+  double focal_error = 0.0;    // right focal length by the told one, less 1; equidistant
+  double axis_ahead = 0.0;     // principal point, right less told, in focal lengths
   double wheels_late_s = 0.0;
   double jitter_s = 0.0;     // of the frames' stamps
   double left_factor = 1.0;  // what the wheels tell, by what they travelled
@@ -127,6 +129,7 @@ class WatchRig {
       direction = wrap_angle(direction + faults_.yaw_error_rad);
       const double c = std::cos(faults_.tilt_rad);
       const double s = std::sin(faults_.tilt_rad);
+      m = by_told_lens(m);
       const double z = c - s * m.x();
       m = {(c * m.x() + s) / z, m.y() / z};
       changed.zx = static_cast<float>(m.x());
@@ -134,6 +137,15 @@ class WatchRig {
       changed.orientation_rad = static_cast<float>(direction);
       features_.push_back(changed);
     }
+  }
+
+  // Where a right ray of an equidistant lens is taken to be.
+  Eigen::Vector2d by_told_lens(const Eigen::Vector2d& m) const {
+    const double r = m.norm();
+    Eigen::Vector2d image = r < 1e-9 ? m : Eigen::Vector2d(std::atan(r) / r * m);
+    image = (1.0 + faults_.focal_error) * image + Eigen::Vector2d(faults_.axis_ahead, 0.0);
+    const double theta = image.norm();
+    return theta < 1e-9 ? image : Eigen::Vector2d(std::tan(theta) / theta * image);
   }
 
   void add(const Eigen::Vector2d& m, float direction, const PointLandmark& l) {

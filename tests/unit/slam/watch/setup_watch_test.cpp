@@ -57,6 +57,9 @@ TEST(SetupWatch, ARightSetUpIsGood) {
     EXPECT_NEAR(m.height_m, 2.25, 0.1);
     EXPECT_NEAR(m.delay_s, 0.0, 0.015);
     EXPECT_LT(m.vertical.norm(), 0.02);
+    EXPECT_NEAR(m.lens.focal, 0.0, 0.01);
+    EXPECT_NEAR(m.lens.ahead, 0.0, 0.005);
+    EXPECT_LT(m.lens.focal_sigma, 0.02);
   }
 }
 
@@ -123,6 +126,29 @@ TEST(SetupWatch, TellsAWrongScaleOfTheWheels) {
   SetupFaults one;
   one.left_factor = 1.08;
   expect_doubtful(one, SetupCode::kWheelsUnequal);
+}
+
+TEST(SetupWatch, TellsAWrongFocalLength) {
+  for (const double error : {-0.2, -0.1, 0.1, 0.25}) {
+    SetupFaults faults;
+    faults.focal_error = error;
+    expect_doubtful(faults, SetupCode::kFocalWrong);
+    const auto rig = drive_with(faults);
+    EXPECT_GT(rig->measures().lens.focal * error,
+              0.0);  // of the first order: no more than the side
+  }
+}
+
+TEST(SetupWatch, TellsAnAxisThatIsOffAheadFromDrivingStraight) {
+  for (const double ahead : {-0.04, 0.04}) {
+    SetupFaults faults;
+    faults.axis_ahead = ahead;
+    const TestSeed seed;
+    WatchRig rig(faults, seed.value());
+    for (int i = 0; i < 8; ++i) rig.drive(8.0, i % 2 == 0 ? 0.4 : -0.4, 0.0);
+    EXPECT_NEAR(rig.measures().lens.ahead, ahead, 0.01);
+    EXPECT_TRUE(rig.says(SetupCode::kLensWrong)) << rig.reasons();
+  }
 }
 
 TEST(SetupWatch, TellsHowFarStampsAreApart) {
