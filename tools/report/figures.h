@@ -64,6 +64,7 @@ struct RobotFigures {
   StepTimes step;
   int landmarks = 0;
   std::optional<SetupVerdict> verdict;  // of the set-up, where the run said one
+  SetupMeasures setup;                  // what it was judged by
 };
 
 // What `own` made of its transform with `peer`.

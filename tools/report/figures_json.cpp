@@ -1,3 +1,4 @@
+#include <cmath>
 #include <numbers>
 
 #include "tools/report/figures_text.h"
@@ -43,6 +44,7 @@ nlohmann::json robot_json(const RobotFigures& robot) {
       {"step_ms",
        {{"median", robot.step.median_ms}, {"p95", robot.step.p95_ms}, {"max", robot.step.max_ms}}}};
   if (robot.verdict) json["verdict"] = verdict_json(*robot.verdict);
+  json["setup"] = setup_json(robot.setup);
   if (robot.loop) {
     json["return"] = {{"time_s", robot.loop->time_s},
                       {"driven_m", robot.loop->driven_m},
@@ -80,6 +82,25 @@ nlohmann::json pair_json(const TeamFigures& figures, const PairFigures& pair) {
 }
 
 }  // namespace
+
+nlohmann::json setup_json(const SetupMeasures& m) {
+  if (!m.judged) return {};
+  return {{"intervals", m.intervals},
+          {"turn_scale", m.turn_scale},
+          {"wheel_balance", m.wheel_balance},
+          {"yaw_error_deg", m.yaw_error_rad * kDegrees},
+          {"height_m", m.height_m},
+          {"wheels_late_ms", 1e3 * m.delay_s},
+          {"stamps_jitter_ms", 1e3 * m.jitter_s},
+          {"metre_checked_to", m.metre_checked_to},
+          {"focal_error", m.lens.focal},
+          {"focal_error_sigma", m.lens.focal_sigma},
+          {"axis_ahead_deg", std::atan(m.lens.ahead) * kDegrees},
+          {"axis_ahead_sigma_deg", std::atan(m.lens.ahead_sigma) * kDegrees},
+          {"corners_standing", m.standing},
+          {"turns_unexplained", m.unexplained},
+          {"vertical_off_deg", std::atan(m.vertical.norm()) * kDegrees}};
+}
 
 nlohmann::json figures_json(const TeamFigures& figures) {
   nlohmann::json json = {{"robots", nlohmann::json::array()}, {"pairs", nlohmann::json::array()}};

@@ -119,6 +119,16 @@ std::string error_summary(const std::vector<double>& metres, const std::vector<d
   return median_and_worst(metres, 3) + " m, " + median_and_worst(degrees, 2) + "°";
 }
 
+// How well camera and wheels can have been compared: turns alone show a wrong metre.
+std::string metre_text(const SetupMeasures& setup) {
+  constexpr double kNothing = 0.2;
+  if (!setup.judged) return "";
+  if (setup.metre_checked_to > kNothing) {
+    return "; the wheels' metre is unchecked: turn by 90 degrees and more";
+  }
+  return "; the wheels' metre is checked to " + fixed(100.0 * setup.metre_checked_to, 1) + " %";
+}
+
 }  // namespace
 
 std::string verdicts_text(const TeamFigures& figures) {
@@ -126,7 +136,7 @@ std::string verdicts_text(const TeamFigures& figures) {
   for (const RobotFigures& robot : figures.robots) {
     if (!robot.verdict) continue;
     text += "  set-up of " + robot.name + ": " + std::string(verdict_name(robot.verdict->state));
-    text += "\n";
+    text += metre_text(robot.setup) + "\n";
     for (const Reason& reason : robot.verdict->reasons) {
       text += "    " + std::string(setup_code_name(reason.code)) + ", since " +
               fixed(reason.since_s, 1) + " s: " + std::string(reason_text(reason).view()) + "\n";

@@ -1,10 +1,8 @@
 #include "tools/report/files.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdarg>
 #include <cstdio>
-#include <numbers>
 
 #include "platform/recording/ground_truth.h"
 #include "platform/recording/seconds.h"
@@ -127,22 +125,6 @@ nlohmann::json counters_json(const StepCounters& c) {
           {"candidates_rejected_full", c.mapper.candidates_rejected_full},
           {"appearances_rejected_full", c.mapper.appearances_rejected_full},
           {"removals_untold", c.removals_untold}};
-}
-
-// Figures of the comparison of camera and wheels; null where there was not enough to compare.
-nlohmann::json setup_json(const SetupMeasures& m) {
-  if (!m.judged) return {};
-  constexpr double kDegrees = 180.0 / std::numbers::pi;
-  return {{"intervals", m.intervals},
-          {"turn_scale", m.turn_scale},
-          {"wheel_balance", m.wheel_balance},
-          {"yaw_error_deg", m.yaw_error_rad * kDegrees},
-          {"height_m", m.height_m},
-          {"wheels_late_ms", 1e3 * m.delay_s},
-          {"stamps_jitter_ms", 1e3 * m.jitter_s},
-          {"corners_standing", m.standing},
-          {"turns_unexplained", m.unexplained},
-          {"vertical_off_deg", std::atan(m.vertical.norm()) * kDegrees}};
 }
 
 nlohmann::json parameters_json(const Parameters& parameters) {

@@ -99,6 +99,7 @@ RobotFigures judge_robot(const RobotLog& log) {
   figures.landmarks = static_cast<int>(log.landmarks.size());
   figures.step = judge_steps(log);
   figures.verdict = log.verdict;
+  figures.setup = log.setup;
   if (log.frames.empty()) return figures;
   figures.duration_s = (log.frames.back().stamp - log.frames.front().stamp).seconds();
   Points path;
