@@ -72,6 +72,17 @@ void shift_centre(Tape& tape, double columns_px, double rows_px) {
   tape.config.lens.cv_px += rows_px;
 }
 
+void scale_focal(Tape& tape, double factor) {
+  tape.config.lens.fu_px *= factor;
+  tape.config.lens.fv_px *= factor;
+}
+
+void scale_resolution(Tape& tape, double factor) {
+  scale_focal(tape, factor);
+  tape.config.lens.cu_px *= factor;
+  tape.config.lens.cv_px *= factor;
+}
+
 void swap_wheels(Tape& tape) {
   for (WheelSample& w : tape.wheels) std::swap(w.left_m, w.right_m);
 }
@@ -186,6 +197,16 @@ void cover_lens(Tape& tape, double from_s, double to_s) {
       [](const TapeFrame&, Pixels& pixels) { std::fill(pixels.begin(), pixels.end(), 8); });
 }
 
+void cover_side(Tape& tape, double share) {
+  const int width = tape.config.lens.width_px;
+  const auto covered = static_cast<std::ptrdiff_t>(share * width);
+  change_pictures(tape, always, [=](const TapeFrame&, Pixels& pixels) {
+    for (auto row = pixels.begin(); row != pixels.end(); row += width) {
+      std::fill(row, row + covered, 8);
+    }
+  });
+}
+
 void freeze_picture(Tape& tape, double from_s) {
   const Time from = after_start(tape, from_s);
   std::shared_ptr<const Pixels> kept;
@@ -254,6 +275,11 @@ void add_setups(std::vector<Bend>& bends, bool quick) {
       bends.push_back({"centre " + std::to_string(px) + " px",
                        [px](Tape& t) { shift_centre(t, px, -0.5 * px); }});
     }
+    for (const double f : {0.8, 0.9, 1.1, 1.25}) {
+      bends.push_back(
+          {"focal " + std::to_string(f).substr(0, 4), [f](Tape& t) { scale_focal(t, f); }});
+    }
+    bends.push_back({"half resolution", [](Tape& t) { scale_resolution(t, 0.5); }});
   }
   bends.push_back({"swap", swap_wheels});
   bends.push_back({"invert left", [](Tape& t) { reverse_wheels(t, WhichWheel::kLeft); }});
@@ -295,6 +321,8 @@ void add_events(std::vector<Bend>& bends, double T, bool quick) {
                      [ms](Tape& t) { jitter_stamps(t, 0.001 * ms, 3); }});
   }
   add("blind", blank_pictures);
+  add("covered by a third", [](Tape& t) { cover_side(t, 0.33); });
+  add("covered by a half", [](Tape& t) { cover_side(t, 0.5); });
   add("robot in view", [](Tape& t) { put_robot_in_view(t, 55.0); });
 }
 

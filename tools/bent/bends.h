@@ -17,6 +17,10 @@ enum class WhichWheel { kLeft, kRight, kBoth };
 void mirror_pictures(Tape& tape);  // columns
 void turn_mount(Tape& tape, double degrees);
 void shift_centre(Tape& tape, double columns_px, double rows_px);
+// Focal length of another lens, or of another zoom.
+void scale_focal(Tape& tape, double factor);
+// Intrinsics of a picture that is so many times as large.
+void scale_resolution(Tape& tape, double factor);
 void swap_wheels(Tape& tape);
 void reverse_wheels(Tape& tape, WhichWheel which);
 void scale_wheels(Tape& tape, double factor);
@@ -31,6 +35,8 @@ void push(Tape& tape, double from_s, double to_s);
 void carry(Tape& tape, double lifted_s, double down_s);
 void drop_frames(Tape& tape, double from_s, double to_s);
 void cover_lens(Tape& tape, double from_s, double to_s);
+// Something dark over a part of the picture: `share` of its columns.
+void cover_side(Tape& tape, double share);
 void freeze_picture(Tape& tape, double from_s);
 void repeat_frames(Tape& tape);  // each a second time, half a period later
 void jitter_stamps(Tape& tape, double sigma_s, std::uint64_t seed);
