@@ -19,7 +19,7 @@ constexpr std::array kFields = {
                     [](C& c) { return &c.invert_left; }},
     WheelCodecField{"invert_right", "", 0, 0, "the right wheel counts down when driving forward",
                     [](C& c) { return &c.invert_right; }},
-    WheelCodecField{"latency_s", "s", -0.1, 0.5,
+    WheelCodecField{"latency_s", "s", -1.5, 1.5,
                     "a frame tells where the wheels were so long before its stamp",
                     [](C& c) { return &c.latency_s; }},
     WheelCodecField{"max_wheel_speed_mps", "m/s", 0.01, 50,

@@ -23,6 +23,9 @@ constexpr const char* kHelp =
     R"(Finds what a ruler does not: how the camera is turned and leans, where it sits beside the
 point between the wheels, the distance of the wheels' tracks, how the wheels differ, how late the base's
 frames are. The lens must be calibrated first; the other numbers may be wrong, the yaw by any angle.
+Mistakes of the set-up are named, with the lines of the configuration that mend them: a mirrored
+picture, wheels that are exchanged or count backward, a camera turned by a quarter or a half, stamps
+that are apart by up to 1.5 s.
 
 One camera does not see how long a metre is. --distance (from where the robot stood at the beginning
 of the recording to where it stood at its end, by a tape) or --ceiling (its height above the floor)
@@ -69,16 +72,40 @@ Result<DriveData> read_drive(const fs::path& folder, std::vector<std::string>& w
   return data;
 }
 
-int take_over(const DriveCommand& command, const DriveCalibration& c) {
+// What was found, on top of what the recording's own robot.toml has done to its wheels and stamps.
+RobotResult result_of(const DriveCommand& command, const DriveCalibration& c) {
+  RobotResult result = {c.robot, c.latency_s, {}};
+  const auto known = read_robot_file(layout::robot(command.recording));
+  if (!known) return result;
+  const WheelCodecConfig& odometry = known->odometry;
+  result.latency_s += odometry.latency_s;
+  const WheelOrder before = {odometry.swap_wheels, odometry.invert_left, odometry.invert_right};
+  const WheelOrder now = c.setup.change.wheels.after(before);
+  if (now != before) result.wheels = now;
+  return result;
+}
+
+// The lines to change, when the set-up itself is wrong.
+std::string lines_to_change(const DriveCalibration& c, const RobotResult& result) {
+  if (c.setup.causes.empty() || c.judgement.worth == Worth::kAgain) return {};
+  std::string text = "lines of zenith.toml that mend it, all of what was found among them:\n\n";
+  if (c.setup.change.picture != Mirrored::kNot) {
+    const char* flip =
+        c.setup.change.picture == Mirrored::kColumns ? "horizontal_flip" : "vertical_flip";
+    text += std::string("# First switch off the flip of the camera or its driver, for no line does:\n") +
+            "#   v4l2-ctl -d DEVICE --set-ctrl " + flip +
+            "=0\n# These are the numbers of the picture the right way round.\n";
+  }
+  return text + edited_toml("", robot_values(result));
+}
+
+int take_over(const DriveCommand& command, const DriveCalibration& c, const RobotResult& result) {
   if (c.judgement.worth == Worth::kAgain) {
     if (command.write_to.empty()) return 1;
     return fail({command.write_to + ": left as it was: the drive is not good enough"});
   }
   if (command.write_to.empty()) return 0;
-  // The recording's own latency is already in its stamps.
-  const auto robot = read_robot_file(layout::robot(command.recording));
-  const double known_s = robot ? robot->odometry.latency_s : 0.0;
-  const Status written = write_robot(command.write_to, c.robot, known_s + c.latency_s);
+  const Status written = write_robot(command.write_to, result);
   if (!written) return fail(written.error());
   std::printf("%s: mount and wheels were taken over\n", command.write_to.c_str());
   return 0;
@@ -102,13 +129,14 @@ int run_drive(const DriveCommand& command) {
   if (command.distance_m > 0.0) references.distance_m = command.distance_m;
   if (command.ceiling_m > 0.0) references.ceiling_m = command.ceiling_m;
   const DriveCalibration c = calibrate_drive(*data, references);
-  const std::string report = drive_report(c);
+  const RobotResult robot = result_of(command, c);
+  const std::string report = drive_report(c) + lines_to_change(c, robot);
   Status done = write_file(output->path() / "report.txt", report);
   if (done) done = draw_drive(*data, c, output->path() / "drive.png");
   if (done) done = output->commit();
   if (!done) return fail(done.error());
   std::printf("%s%s\n", report.c_str(), command.out.c_str());
-  return take_over(command, c);
+  return take_over(command, c, robot);
 }
 
 }  // namespace

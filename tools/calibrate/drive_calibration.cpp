@@ -22,6 +22,9 @@ constexpr double kCentre_px = 0.1;
 // Errors of the latency beside chance, as simulated drives show them.
 constexpr double kLatency_s = 0.003;
 constexpr double kTape_m = 0.005;
+// Where a camera can be on a robot, in widths of its tracks: ahead or behind, and to the sides.
+constexpr double kReachAhead = 1.5;
+constexpr double kReachAside = 0.75;
 constexpr const char* kSpin = "turn on the spot more, a whole turn to each side";
 constexpr const char* kStraight = "drive straight more, some metres at a time";
 constexpr const char* kBoth = "turn on the spot and drive straight, in turn";
@@ -119,7 +122,8 @@ void measure_way(const DriveData& data, DriveCalibration& c) {
   const Wheels wheels = c.solution.unknowns.wheels();
   for (std::size_t i = 1; i < data.frames.size(); ++i) {
     const Pose2 moved = wheel_motion(
-        wheels, data.travel(data.frames[i - 1].time_s, data.frames[i].time_s, c.latency_s));
+        wheels, data.travel(data.frames[i - 1].time_s, data.frames[i].time_s,
+                            c.solution.unknowns.latency_s));
     c.driven_m += moved.position().norm();
     c.turned_deg += std::abs(moved.theta_rad) * kDegPerRad;
   }
@@ -155,9 +159,23 @@ void list_estimates(const DriveData& data, double scale_sigma, DriveCalibration&
        std::hypot(0.5 * ratio, scale_sigma), 0.004, 0.01, kBoth},
       {"wheels.right_scale", "", old.right_scale, wheels.right_scale,
        std::hypot(0.5 * ratio, scale_sigma), 0.004, 0.01, kBoth},
-      {"odometry.latency_s", "s", 0.0, s.unknowns.latency_s, std::hypot(sigma(7), kLatency_s),
-       0.005, 0.02, kJerk},
+      {"odometry.latency_s", "s", 0.0, c.setup.delay_s + s.unknowns.latency_s,
+       std::hypot(sigma(7), kLatency_s), 0.005, 0.02, kJerk},
   };
+}
+
+// A lever arm beyond the robot is none: the turns were too few, or too far from the spot.
+void doubt_lever_arm(double track_width_m, DriveCalibration& c) {
+  const std::pair<const char*, double> reaches[] = {{"mount.x_m", kReachAhead * track_width_m},
+                                                    {"mount.y_m", kReachAside * track_width_m}};
+  for (DriveEstimate& e : c.estimates) {
+    for (const auto& [key, reach_m] : reaches) {
+      if (e.key != key || std::abs(e.value) - 2.0 * e.sigma <= reach_m) continue;
+      e.doubt = formatted("%.2f m is outside of a robot whose tracks are %.2f m apart, expected "
+                          "within %.2f m",
+                          e.value, track_width_m, reach_m);
+    }
+  }
 }
 
 void take_shown(const DriveReferences& references, DriveCalibration& c) {
@@ -170,6 +188,10 @@ void take_shown(const DriveReferences& references, DriveCalibration& c) {
   for (std::size_t i = 0; i < c.estimates.size(); ++i) {
     if (c.estimates[i].shown()) *values[i] = i < 5 ? found[i] : c.estimates[i].value;
   }
+  constexpr std::size_t kYaw = 2;
+  if (!c.estimates[kYaw].shown()) {
+    r.mount.yaw_rad = wrap_angle(r.mount.yaw_rad + c.setup.change.yaw_rad);
+  }
   if (references.distance_m && references.ceiling_m && c.scale_known && c.ceiling_m) {
     r.mount.z_m = *references.ceiling_m - *c.ceiling_m;
   }
@@ -178,6 +200,9 @@ void take_shown(const DriveReferences& references, DriveCalibration& c) {
 void judge_data(DriveCalibration& c) {
   Judgement& j = c.judgement;
   const DriveSolution& s = c.solution;
+  for (const std::string& line : setup_text(c.setup)) {
+    j.lower(c.setup.contradicts() ? Worth::kAgain : Worth::kUsable, line);
+  }
   if (s.points < 60) {
     j.lower(Worth::kAgain, formatted("only %d points of the ceiling were followed, expected 60 or "
                                      "more: light it, or lower corner_min_eigenvalue",
@@ -203,9 +228,15 @@ void judge_data(DriveCalibration& c) {
 
 void judge_estimates(DriveCalibration& c) {
   for (const DriveEstimate& e : c.estimates) {
-    if (!e.shown()) {
-      c.judgement.lower(Worth::kUsable, "this drive does not show " + e.key + ", which stays as " +
-                                            "it was: " + e.advice);
+    if (!e.doubt.empty()) {
+      c.judgement.lower(Worth::kUsable,
+                        e.key + " is doubtful: " + e.doubt + "; it stays as it was: " + e.advice);
+    } else if (!e.shown()) {
+      c.judgement.lower(Worth::kUsable,
+                        e.key + formatted(" is doubtful, +- %.3g %s where %.3g is expected: ",
+                                          e.sigma, e.unit.c_str(), e.usable) +
+                            "this drive does not show " + e.key + ", which stays as it was: " +
+                            e.advice);
     } else if (e.sigma > e.good) {
       c.judgement.lower(Worth::kUsable, e.key + " could be known better: " + e.advice);
     }
@@ -220,9 +251,12 @@ void judge_estimates(DriveCalibration& c) {
 
 }  // namespace
 
-DriveCalibration calibrate_drive(const DriveData& data, const DriveReferences& references) {
+DriveCalibration calibrate_drive(const DriveData& recorded, const DriveReferences& references) {
   DriveCalibration c;
+  c.setup = find_setup(recorded);
+  const DriveData data = mended(recorded, c.setup);
   c.robot = data.believed;
+  c.latency_s = c.setup.delay_s;
   c.images = data.images;
   c.solution = solve_drive(data, start_of_drive(data));
   // Again from there: points that began badly get a new start.
@@ -230,6 +264,7 @@ DriveCalibration calibrate_drive(const DriveData& data, const DriveReferences& r
   measure_way(data, c);
   const double scale_sigma = apply_references(references, data.believed.mount.z_m, c);
   list_estimates(data, scale_sigma, c);
+  doubt_lever_arm(c.solution.unknowns.track_width_m, c);
   judge_data(c);
   judge_estimates(c);
   take_shown(references, c);
@@ -247,7 +282,7 @@ std::string drive_report(const DriveCalibration& c) {
   text += formatted("%-22s %10s %10s    %s\n", "", "before", "found", "standard deviation");
   for (const DriveEstimate& e : c.estimates) {
     text += formatted("%-22s %10.4f %10.4f +- %.4f %s%s\n", e.key.c_str(), e.before, e.value,
-                      e.sigma, e.unit.c_str(), e.shown() ? "" : "   not shown by this drive");
+                      e.sigma, e.unit.c_str(), e.shown() ? "" : "   doubtful: stays as it was");
   }
   if (c.ceiling_m) {
     text += formatted("most of the ceiling is %.3f m above the camera\n", *c.ceiling_m);

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "tools/calibrate/drive_setup.h"
 #include "tools/calibrate/drive_solver.h"
 #include "tools/calibrate/judgement.h"
 
@@ -25,14 +26,16 @@ struct DriveEstimate {
   double good = 0.0;    // sigma below this
   double usable = 0.0;  // and below this; else the drive does not show it
   std::string advice;   // when it does not
+  std::string doubt = {};  // why it cannot be, all the same; empty: it can
 
-  bool shown() const { return sigma <= usable; }
+  bool shown() const { return sigma <= usable && doubt.empty(); }
 };
 
 struct DriveCalibration {
+  DriveSetup setup;  // what was mended before
   DriveSolution solution;
   std::vector<DriveEstimate> estimates;
-  RobotConfig robot;       // as it was, with what the drive showed
+  RobotConfig robot;       // as it was, mended, with what the drive showed
   double latency_s = 0.0;  // beyond what was known
   double driven_m = 0.0;
   double turned_deg = 0.0;  // in all, to both sides

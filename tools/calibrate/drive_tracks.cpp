@@ -72,10 +72,16 @@ class Tracker {
   explicit Tracker(const RobotConfig& robot)
       : extractor_(robot, Parameters{}), R_camera_base_(mount_rotation(robot.mount).transpose()) {}
 
-  // `turn_rad` since the last frame, by the wheels.
-  void follow(const ImageView& image, double turn_rad) {
+  // Returns the turn since the last frame as it is seen; `told_rad`, the wheels' one, where it is
+  // not. Whatever is wrong with the wheels, corners are followed.
+  double follow(double time_s, const ImageView& image, double told_rad) {
     std::vector<Followed> now;
-    for (const Feature& feature : extractor_->extract(image)) {
+    const Features& features = extractor_->extract(image);
+    const VisualMotion seen = visual_motion(last_, features);
+    const double turn_rad = seen.known ? seen.turn_rad : told_rad;
+    keep_corners(features, last_);
+    seen_.add(time_s, features);
+    for (const Feature& feature : features) {
       if (feature.described) now.push_back({feature, -1});
     }
     for (const Match& m : match(followed_, now, turn_rad)) {
@@ -85,6 +91,7 @@ class Tracker {
       if (f.track < 0) f.track = tracks_++;
     }
     followed_ = std::move(now);
+    return turn_rad;
   }
 
   DriveFrame frame(double time_s) const {
@@ -96,11 +103,14 @@ class Tracker {
     return frame;
   }
   int tracks() const { return tracks_; }
+  const std::vector<SeenInterval>& seen() const { return seen_.intervals(); }
 
  private:
   OwnExtractor extractor_;
   Eigen::Matrix3d R_camera_base_;
   std::vector<Followed> followed_;
+  KeptCorners last_;
+  SeenMotion seen_;
   int tracks_ = 0;
 };
 
@@ -113,11 +123,13 @@ Result<DriveData> track_drive(Source& source, const std::function<void(double)>&
   Tracker tracker(data.believed);
   SourceFrame frame;
   std::optional<Time> start;
-  WheelTravel total;
   WheelTravel kept;
   WheelTravel before;
-  const auto since = [&data](const WheelTravel& from, const WheelTravel& to) {
-    return wheel_motion(data.believed.wheels, {to.left_m - from.left_m, to.right_m - from.right_m});
+  double turned_rad = 0.0;  // since the last kept frame
+  const auto told_turn = [&data](const WheelTravel& from, const WheelTravel& to) {
+    return wheel_motion(data.believed.wheels,
+                        {to.left_m - from.left_m, to.right_m - from.right_m})
+        .theta_rad;
   };
   for (;;) {
     const auto more = source.next(frame);
@@ -129,21 +141,23 @@ Result<DriveData> track_drive(Source& source, const std::function<void(double)>&
     }
     const double now_s = (frame.stamp - *start).seconds();
     if (data.wheels.empty()) continue;
-    total = data.wheels.at(now_s);
+    const WheelTravel total = data.wheels.at(now_s);
     const bool first = data.images++ == 0;
     if (first) before = kept = total;
     const ImageView image{frame.pixels.data(), lens.width_px, lens.height_px, lens.width_px};
-    tracker.follow(image, since(before, total).theta_rad);
+    turned_rad += tracker.follow(now_s, image, told_turn(before, total));
     before = total;
-    const Pose2 moved = since(kept, total);
-    if (first || moved.position().norm() > kKeepDistance_m ||
-        std::abs(moved.theta_rad) > kKeepTurn_rad) {
+    const double moved_m = std::max(std::abs(total.left_m - kept.left_m),
+                                    std::abs(total.right_m - kept.right_m));
+    if (first || moved_m > kKeepDistance_m || std::abs(turned_rad) > kKeepTurn_rad) {
       data.frames.push_back(tracker.frame(now_s));
       kept = total;
+      turned_rad = 0.0;
     }
     progress(static_cast<double>(data.images) / std::max(1, source.frame_count()));
   }
   data.tracks = tracker.tracks();
+  data.seen = tracker.seen();
   if (data.frames.size() < 20) {
     return Error{"the robot hardly moved: " + std::to_string(data.images) + " frames, but only " +
                  std::to_string(data.frames.size()) +

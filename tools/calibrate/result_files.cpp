@@ -51,28 +51,44 @@ Status write_lens(const std::filesystem::path& path, const Lens& lens) {
   return edit_toml_file(path, values);
 }
 
-Status write_robot(const std::filesystem::path& path, const RobotConfig& robot, double latency_s) {
-  const Wheels& wheels = robot.wheels;
+namespace {
+
+TomlValues wheel_values(const RobotResult& result) {
+  const Wheels& wheels = result.robot.wheels;
   TomlValues values = {{"wheels.track_width_m", toml_number(wheels.track_width_m, 6)},
                        {"wheels.left_scale", toml_number(wheels.left_scale, 6)},
                        {"wheels.right_scale", toml_number(wheels.right_scale, 6)},
-                       {"odometry.latency_s", toml_number(latency_s, 4)}};
-  if (is_recording(path)) {
-    auto sensor = read_sensor_file(layout::sensor(path));
-    if (!sensor) return sensor.error();
-    sensor->mount = robot.mount;
-    const Status written = write_file(layout::sensor(path), format_sensor_file(*sensor));
-    return written ? edit_toml_file(layout::robot(path), values) : written;
-  }
+                       {"odometry.latency_s", toml_number(result.latency_s, 4)}};
+  if (!result.wheels) return values;
+  const auto flag = [](bool on) { return on ? "true" : "false"; };
+  values.emplace_back("odometry.swap_wheels", flag(result.wheels->swap));
+  values.emplace_back("odometry.invert_left", flag(result.wheels->invert_left));
+  values.emplace_back("odometry.invert_right", flag(result.wheels->invert_right));
+  return values;
+}
+
+}  // namespace
+
+TomlValues robot_values(const RobotResult& result) {
   constexpr double kDegPerRad = 180.0 / std::numbers::pi;
-  const CameraMount& m = robot.mount;
+  const CameraMount& m = result.robot.mount;
+  TomlValues values = wheel_values(result);
   values.emplace_back("mount.x_m", toml_number(m.x_m, 4));
   values.emplace_back("mount.y_m", toml_number(m.y_m, 4));
   values.emplace_back("mount.z_m", toml_number(m.z_m, 4));
   values.emplace_back("mount.roll_deg", toml_number(m.roll_rad * kDegPerRad, 4));
   values.emplace_back("mount.pitch_deg", toml_number(m.pitch_rad * kDegPerRad, 4));
   values.emplace_back("mount.yaw_deg", toml_number(m.yaw_rad * kDegPerRad, 4));
-  return edit_toml_file(path, values);
+  return values;
+}
+
+Status write_robot(const std::filesystem::path& path, const RobotResult& result) {
+  if (!is_recording(path)) return edit_toml_file(path, robot_values(result));
+  auto sensor = read_sensor_file(layout::sensor(path));
+  if (!sensor) return sensor.error();
+  sensor->mount = result.robot.mount;
+  const Status written = write_file(layout::sensor(path), format_sensor_file(*sensor));
+  return written ? edit_toml_file(layout::robot(path), wheel_values(result)) : written;
 }
 
 }  // namespace zenith::tools

@@ -79,7 +79,7 @@ TEST(CalibrateDriveFiles, MountAndWheelsGoIntoARecording) {
   RobotConfig robot = small_robot();
   robot.mount.yaw_rad = 0.25;
   robot.wheels = {0.5, 1.01, 0.99};
-  const Status written = write_robot(rec, robot, 0.03);
+  const Status written = write_robot(rec, {robot, 0.03, {}});
   ASSERT_TRUE(written.ok()) << written.error().message;
   const auto file = read_robot_file(layout::robot(rec));
   ASSERT_TRUE(file.ok()) << file.error().message;
@@ -117,6 +117,96 @@ TEST(CalibrateDriveVerdict, WhatADriveDoesNotShowStaysAndTheVerdictSaysHowToDriv
   EXPECT_THAT(text, HasSubstr("--distance"));
   EXPECT_EQ(c.robot.wheels.track_width_m, data.believed.wheels.track_width_m);
   EXPECT_NEAR(c.robot.mount.yaw_rad, 0.0, 0.002);
+}
+
+// Straight ways and turns on the spot under a ceiling of points, by a camera at `lever_m`.
+DriveData square_drive(const Eigen::Vector2d& lever_m) {
+  DriveData data;
+  const double half_track_m = 0.5 * data.believed.wheels.track_width_m;
+  Pose2 pose;
+  WheelTravel total;
+  double time_s = 0.0;
+  const auto see = [&] {
+    data.wheels.add(time_s, total);
+    DriveFrame frame{time_s, {}};
+    for (int k = 0; k < 400; ++k) {
+      const Eigen::Vector2d at(0.6 * (k % 20) - 4.5 + 0.11 * (k % 7),
+                               0.6 * (k / 20) - 4.5 + 0.13 * (k % 5));
+      const Eigen::Vector2d seen = pose.inverse() * at - lever_m;
+      if (seen.norm() > 2.5) continue;
+      frame.sightings.push_back(
+          {k, Eigen::Vector3d(seen.x(), seen.y(), 2.2 + 0.1 * (k % 3)).normalized()});
+    }
+    data.frames.push_back(std::move(frame));
+    time_s += 0.2;
+  };
+  for (int side = 0; side < 6; ++side) {
+    for (int i = 0; i < 12; ++i) {
+      see();
+      pose = pose * Pose2{0.12, 0.0, 0.0};
+      total = {total.left_m + 0.12, total.right_m + 0.12};
+    }
+    const double turn_rad = (side % 2 == 0 ? 10.0 : 11.0) / kDegPerRad;
+    for (int i = 0; i < 9; ++i) {
+      see();
+      pose = pose * Pose2{0.0, 0.0, turn_rad};
+      total = {total.left_m - turn_rad * half_track_m, total.right_m + turn_rad * half_track_m};
+    }
+  }
+  data.tracks = 400;
+  return data;
+}
+
+TEST(CalibrateDriveVerdict, ACameraOutsideOfTheRobotIsDoubtedAndNotTakenOver) {
+  const DriveCalibration near = calibrate_drive(square_drive({0.3, -0.1}), {});
+  EXPECT_NEAR(near.robot.mount.x_m, 0.3, 0.01);
+  EXPECT_NEAR(near.robot.mount.y_m, -0.1, 0.01);
+  EXPECT_THAT(judgement_text(near.judgement), testing::Not(HasSubstr("outside")));
+  const DriveCalibration far = calibrate_drive(square_drive({0.9, -0.45}), {});
+  EXPECT_EQ(far.robot.mount.x_m, 0.0);
+  EXPECT_EQ(far.robot.mount.y_m, 0.0);
+  const std::string text = judgement_text(far.judgement);
+  EXPECT_THAT(text, HasSubstr("mount.x_m is doubtful: 0.9"));
+  EXPECT_THAT(text, HasSubstr("mount.y_m is doubtful: -0.45"));
+  EXPECT_THAT(text, HasSubstr("outside of a robot whose tracks are 0.40 m apart"));
+  EXPECT_THAT(text, HasSubstr("turn on the spot more"));
+  EXPECT_THAT(drive_report(far), HasSubstr("doubtful: stays as it was"));
+}
+
+TEST(CalibrateDriveFiles, LinesThatMendASetUpGoIntoTheConfiguration) {
+  RobotResult result;
+  result.latency_s = 0.75;
+  result.wheels = WheelOrder{true, false, true};
+  result.robot.mount.yaw_rad = std::numbers::pi / 2.0;
+  const std::string lines = edited_toml("", robot_values(result));
+  for (const char* line : {"[odometry]", "swap_wheels = true", "invert_left = false",
+                           "invert_right = true", "latency_s = 0.7500", "[mount]", "yaw_deg = 90.0000"}) {
+    EXPECT_THAT(lines, HasSubstr(line));
+  }
+  EXPECT_EQ(lines.find("[odometry]"), lines.rfind("[odometry]")) << "no section twice";
+  // A recording has the same in its two files, and can be read.
+  TemporaryFolder folder;
+  const auto rec = folder.path() / "rec";
+  write_small_recording(rec);
+  result.robot = small_robot();
+  ASSERT_TRUE(write_robot(rec, result).ok());
+  const auto file = read_robot_file(layout::robot(rec));
+  ASSERT_TRUE(file.ok()) << file.error().message;
+  EXPECT_TRUE(file->odometry.swap_wheels && file->odometry.invert_right);
+}
+
+TEST(WheelOrders, AreDoneOneAfterTheOther) {
+  const WheelTravel told = {1.0, 10.0};
+  for (int a = 0; a < 8; ++a) {
+    for (int b = 0; b < 8; ++b) {
+      const WheelOrder first = {(a & 1) != 0, (a & 2) != 0, (a & 4) != 0};
+      const WheelOrder then = {(b & 1) != 0, (b & 2) != 0, (b & 4) != 0};
+      const WheelTravel both = then.after(first).of(told);
+      const WheelTravel each = then.of(first.of(told));
+      EXPECT_EQ(both.left_m, each.left_m);
+      EXPECT_EQ(both.right_m, each.right_m);
+    }
+  }
 }
 
 }  // namespace
