@@ -1,6 +1,7 @@
 // zenith replay: maps from recordings.
 
 #include <cstdio>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -33,6 +34,12 @@ own start frame, alignments.csv then holds the alignment at which the filters we
 landmarks.csv of each of them the one map, in its own start frame. All cameras must be at the same
 height.
 
+Recordings of `zenith record` say where their clocks lay against the wall clock (clock.csv): several
+are put on that one time first, whatever the computers' uptimes. What they have in common is printed;
+when they have nothing in common it says by how much. Recordings without clock.csv are taken as
+stamped by one clock; --align start and --offset say otherwise. Where wheels and frames of one recording
+do not fit, the offset at which their turns do is looked for and told: --wheels-late applies it.
+
 For each robot a verdict is printed, and written to summary.json, on whether its set-up can be right:
 camera, wheels and their clocks are compared with each other (docs/verdict.md). The exit code is 0
 when all are good or doubtful, 3 when one is wrong: the maps are written but not to be used.
@@ -41,11 +48,15 @@ Examples:
   zenith replay rec/a rec/b --out out
   zenith replay rec/* --out out --force --set particles=400
   zenith replay rec/a rec/b --out out --joint
+  zenith replay old/a old/b --out out --offset b=12.5
   zenith replay rec/a --out out --skip-damaged)";
 
 struct ReplayCommand {
   ReplayPlan plan;
   std::vector<std::string> assignments;
+  std::string align = "clocks";
+  std::vector<std::string> offsets;
+  std::vector<std::string> wheels_late;
   std::string out;
   bool force = false;
 };
@@ -54,6 +65,22 @@ int run_replay(ReplayCommand& command) {
   const auto parameters = apply_overrides({}, command.assignments);
   if (!parameters.ok()) return fail(parameters.error());
   command.plan.parameters = *parameters;
+  AlignOptions& align = command.plan.align;
+  align.by = command.align == "start"      ? AlignBy::kStart
+             : command.align == "recorded" ? AlignBy::kRecorded
+                                           : AlignBy::kClocks;
+  const auto parse = [](const char* option, const std::vector<std::string>& texts,
+                        std::map<std::string, double>& values) -> Status {
+    for (const std::string& text : texts) {
+      const auto stated = parse_stated_offset(text);
+      if (!stated.ok()) return Error{option + (": " + stated.error().message)};
+      values[stated->first] = stated->second;
+    }
+    return {};
+  };
+  Status parsed = parse("--offset", command.offsets, align.stated_s);
+  if (parsed) parsed = parse("--wheels-late", command.wheels_late, command.plan.wheels_late_s);
+  if (!parsed) return fail(parsed.error()) + 1;
   // `rec/*` of a simulation's output holds its description too.
   std::erase_if(command.plan.recordings,
                 [](const auto& path) { return path.filename() == "simulation.json"; });
@@ -68,6 +95,7 @@ int run_replay(ReplayCommand& command) {
   if (!result.ok()) return fail(result.error());
   if (const Status placed = output->commit(); !placed) return fail(placed.error());
   warn(result->warnings);
+  for (const std::string& note : result->notes) std::printf("%s\n", note.c_str());
   std::printf("%s%s\nmemory: %.1f MiB for each robot, taken at the start\n%s\n",
               figures_text(result->figures).c_str(), verdicts_text(result->figures).c_str(),
               static_cast<double>(result->memory_bytes) / (1024.0 * 1024.0), command.out.c_str());
@@ -83,6 +111,20 @@ void add_replay_command(CLI::App& app, int& exit_code) {
   replay->add_option("RECORDING", command->plan.recordings, "recordings' folders, one a robot")
       ->required();
   replay->add_option("--out", command->out, "the folder to write")->required();
+  replay
+      ->add_option("--align", command->align,
+                   "clocks: by clock.csv of the recordings; start: all begin together; recorded: "
+                   "stamps as they are")
+      ->check(CLI::IsMember({"clocks", "start", "recorded"}))
+      ->capture_default_str();
+  replay
+      ->add_option("--offset", command->offsets,
+                   "ROBOT=SECONDS: added to the stamps of this robot's recording, beside --align")
+      ->allow_extra_args(false);
+  replay
+      ->add_option("--wheels-late", command->wheels_late,
+                   "ROBOT=SECONDS: taken from the stamps of its wheels")
+      ->allow_extra_args(false);
   replay->add_option("--seed", command->plan.seed, "seed of the particles")->capture_default_str();
   replay->add_flag("--joint", command->plan.joint,
                    "robots that have merged go on in one filter with one map");

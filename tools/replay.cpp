@@ -1,8 +1,11 @@
 #include "tools/replay.h"
 
+#include <cmath>
 #include <memory>
 #include <set>
 
+#include "tools/clocks/shifted_source.h"
+#include "tools/clocks/wheel_offset.h"
 #include "tools/report/confidence_picture.h"
 #include "tools/report/files.h"
 #include "tools/report/map_picture.h"
@@ -13,16 +16,54 @@
 namespace zenith::tools {
 namespace {
 
+Result<std::unique_ptr<Recording>> open_one(const ReplayPlan& plan,
+                                            const std::filesystem::path& folder) {
+  ReadOptions reading = plan.reading;
+  const auto late = plan.wheels_late_s.find(Recording::name_of(folder));
+  if (late != plan.wheels_late_s.end()) {
+    reading.wheels_late = Duration::from_seconds(late->second);
+  }
+  return Recording::open(folder, reading);
+}
+
+// Of a recording that could not be opened: whether its wheels and frames fit on one clock.
+std::string other_clock(const std::filesystem::path& folder, const ReplayPlan& plan) {
+  const auto offset = measure_wheel_offset(folder, plan.reading, plan.parameters);
+  if (!offset.ok() || !offset->sure) return {};
+  return "\n" + wheel_offset_text(Recording::name_of(folder), *offset);
+}
+
+// Where camera and wheels do not fit, whether another offset of their stamps mends it.
+void find_offsets(const ReplayPlan& plan, ReplayResult& result) {
+  constexpr double kLeastGain = 2.0;
+  constexpr double kLeast_s = 0.25;  // below, the verdict measures it
+  for (std::size_t i = 0; i < plan.recordings.size(); ++i) {
+    const auto& verdict = result.figures.robots[i].verdict;
+    const bool odd = verdict && (verdict->state == VerdictState::kWrong ||
+                                 gives(*verdict, SetupCode::kWheelsSlipped) ||
+                                 gives(*verdict, SetupCode::kRobotPushed));
+    if (!odd) continue;
+    const auto recording = open_one(plan, plan.recordings[i]);
+    if (!recording.ok()) continue;
+    const auto offset = measure_wheel_offset(**recording, plan.parameters);
+    if (!offset.ok() || !offset->sure || offset->gain < kLeastGain) continue;
+    if (std::abs(offset->late_s) < kLeast_s) continue;
+    WheelOffset whole = *offset;
+    whole.late_s += (*recording)->wheels_moved().seconds();
+    result.warnings.push_back(wheel_offset_text((*recording)->name(), whole));
+  }
+}
+
 // All recordings, or what is wrong with any of them.
-Result<std::vector<std::unique_ptr<Source>>> open_all(const ReplayPlan& plan) {
-  std::vector<std::unique_ptr<Source>> sources;
+Result<std::vector<std::unique_ptr<Recording>>> open_all(const ReplayPlan& plan) {
+  std::vector<std::unique_ptr<Recording>> sources;
   std::set<std::string> names;
   std::string problems;
   for (const auto& folder : plan.recordings) {
-    auto recording = Recording::open(folder, plan.reading);
+    auto recording = open_one(plan, folder);
     std::string problem;
     if (!recording.ok()) {
-      problem = recording.error().message;
+      problem = recording.error().message + other_clock(folder, plan);
     } else if (!names.insert((*recording)->name()).second) {
       problem = folder.string() + ": two recordings are named '" + (*recording)->name() +
                 "'; robots are named after their folders, so rename one";
@@ -33,25 +74,52 @@ Result<std::vector<std::unique_ptr<Source>>> open_all(const ReplayPlan& plan) {
       problems += (problems.empty() ? "" : "\n") + problem;
     }
   }
+  for (const auto& [name, late_s] : plan.wheels_late_s) {
+    if (!names.contains(name) && problems.empty()) {
+      problems = "--wheels-late " + name + ": expected the name of one of the recordings";
+    }
+  }
   if (!problems.empty()) return Error{problems};
   return sources;
+}
+
+Result<Alignment> align_clocks(const std::vector<std::unique_ptr<Recording>>& recordings,
+                               const ReplayPlan& plan) {
+  std::vector<RecordedSpan> spans;
+  for (const auto& r : recordings) {
+    spans.push_back({r->name(), r->first_stamp(), r->last_stamp(), r->clock()});
+  }
+  auto alignment = align(spans, plan.align);
+  if (!alignment.ok() || !plan.joint || !alignment->disjoint) return alignment;
+  std::string message = "--joint needs recordings that were made together";
+  for (const std::string& warning : alignment->warnings) message += "\n" + warning;
+  return Error{message};
 }
 
 }  // namespace
 
 Result<ReplayResult> replay(const ReplayPlan& plan, const std::filesystem::path& folder,
                             const std::function<void(double)>& progress) {
-  auto sources = open_all(plan);
-  if (!sources.ok()) return sources.error();
+  auto opened = open_all(plan);
+  if (!opened.ok()) return opened.error();
+  const auto alignment = align_clocks(*opened, plan);
+  if (!alignment.ok()) return alignment.error();
+  std::vector<const Recording*> recordings;
+  std::vector<std::unique_ptr<Source>> sources;
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < opened->size(); ++i) {
+    recordings.push_back((*opened)[i].get());
+    names.push_back(recordings.back()->name());
+    sources.push_back(
+        std::make_unique<ShiftedSource>(std::move((*opened)[i]), alignment->shifts[i]));
+  }
   const auto report = [&](int done, int total) {
     if (progress) progress(static_cast<double>(done) / total);
   };
-  std::vector<std::string> names;
-  for (const auto& source : *sources) names.push_back(source->name());
   TimelineWriter timeline(folder / kTimelineFile, names);
   const auto note = [&](std::size_t robot, Member& member) { timeline.note(robot, member); };
   const auto log = run_team(
-      *sources, {plan.parameters, plan.seed, MapSharing::kAsSent, plan.joint, note}, report);
+      sources, {plan.parameters, plan.seed, MapSharing::kAsSent, plan.joint, note}, report);
   if (!log.ok()) return log.error();
   if (const Status written = timeline.finish(); !written) return written.error();
   ReplayResult result;
@@ -60,8 +128,11 @@ Result<ReplayResult> replay(const ReplayPlan& plan, const std::filesystem::path&
   RunDescription run;
   run.seed = plan.seed;
   run.parameters = plan.parameters;
-  for (const auto& source : *sources) {
-    const auto warnings = static_cast<const Recording&>(*source).warnings();
+  result.notes = alignment->notes;
+  result.warnings = alignment->warnings;
+  run.alignment = *alignment;
+  for (const Recording* recording : recordings) {
+    const auto warnings = recording->warnings();
     result.warnings.insert(result.warnings.end(), warnings.begin(), warnings.end());
     run.warnings.push_back(warnings);
   }
@@ -72,6 +143,7 @@ Result<ReplayResult> replay(const ReplayPlan& plan, const std::filesystem::path&
         draw_confidence(folder / "confidence.png", *log, plan.parameters.confidence_threshold);
   }
   if (!written) return written.error();
+  find_offsets(plan, result);
   return result;
 }
 

@@ -4,12 +4,14 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
 #include "platform/base/result.h"
 #include "platform/recording/recording.h"
 #include "slam/parameters.h"
+#include "tools/clocks/alignment.h"
 #include "tools/report/figures.h"
 
 namespace zenith::tools {
@@ -20,10 +22,13 @@ struct ReplayPlan {
   bool joint = false;  // aligned robots go on in one filter
   Parameters parameters;
   ReadOptions reading;
+  std::map<std::string, double> wheels_late_s;  // by robot
+  AlignOptions align;
 };
 
 struct ReplayResult {
   TeamFigures figures;
+  std::vector<std::string> notes;  // how the clocks of the recordings were aligned
   std::vector<std::string> warnings;
   std::size_t memory_bytes = 0;  // of each robot
 };

@@ -12,6 +12,8 @@
 #include "platform/recording/ground_truth.h"
 #include "platform/recording/recording.h"
 #include "platform/recording/seconds.h"
+#include "tools/clocks/shift_json.h"
+#include "tools/clocks/shifted_source.h"
 
 namespace zenith::tools {
 namespace {
@@ -90,9 +92,26 @@ void spread_alignments(const std::vector<AlignmentRow>& rows,
   }
 }
 
+// What was added to the recordings' stamps, by robot. Of a damaged summary, which is told later:
+// none.
+using Clocks = std::map<std::string, ClockShift>;
+
+Clocks clocks_of(const std::string& summary) {
+  Clocks clocks;
+  try {
+    const nlohmann::json whole = nlohmann::json::parse(summary);
+    for (const nlohmann::json& robot : whole.at("robots")) {
+      clocks.emplace(robot.at("name").get<std::string>(), shift_of_json(robot));
+    }
+  } catch (const nlohmann::json::exception&) {
+    return {};
+  }
+  return clocks;
+}
+
 // Wheels and truth of the recording, at the stamps of the estimated trajectory.
-Status fill_frames(Recording& recording, const std::vector<StampedPose>& estimate,
-                   RobotLog& robot) {
+Status fill_frames(Source& recording, const fs::path& folder,
+                   const std::vector<StampedPose>& estimate, RobotLog& robot) {
   WheelMotion wheels;
   wheels.build(recording.config().wheels, {});
   Pose2 odometry;
@@ -114,11 +133,11 @@ Status fill_frames(Recording& recording, const std::vector<StampedPose>& estimat
     robot.frames.push_back(std::move(log));
   }
   if (!robot.frames.empty()) return {};
-  return Error{recording.folder().string() + ": no frame has the stamp of an estimated pose"};
+  return Error{folder.string() + ": no frame has the stamp of an estimated pose"};
 }
 
 Result<RobotLog> read_robot(const fs::path& output, const fs::path& folder,
-                            const std::map<std::string, int>& team) {
+                            const std::map<std::string, int>& team, const Clocks& clocks) {
   ReadOptions options;
   options.pixels = false;
   auto recording = Recording::open(folder, options);
@@ -128,7 +147,10 @@ Result<RobotLog> read_robot(const fs::path& output, const fs::path& folder,
   const fs::path place = output / robot.name;
   const auto estimate = read_tum(place / "trajectory.tum");
   if (!estimate.ok()) return estimate.error();
-  if (const Status filled = fill_frames(**recording, *estimate, robot); !filled) {
+  const auto clock = clocks.find(robot.name);
+  ShiftedSource shifted(std::move(*recording),
+                        clock == clocks.end() ? ClockShift() : clock->second);
+  if (const Status filled = fill_frames(shifted, folder, *estimate, robot); !filled) {
     return filled.error();
   }
   const auto rows = read_alignments(place / "alignments.csv");
@@ -167,15 +189,15 @@ Result<TeamFigures> judge_output(const fs::path& output, const std::vector<fs::p
     team.emplace(plain.filename().string(), static_cast<int>(team.size()));
   }
   if (team.size() != recordings.size()) return Error{"two recordings have the same name"};
+  const fs::path summary = output / "summary.json";
+  const auto text = read_input(summary.string(), kMaxSummaryBytes);
   TeamLog log;
   for (const fs::path& folder : recordings) {
-    auto robot = read_robot(output, folder, team);
+    auto robot = read_robot(output, folder, team, text.ok() ? clocks_of(*text) : Clocks());
     if (!robot.ok()) return robot.error();
     log.robots.push_back(std::move(*robot));
   }
   TeamFigures figures = judge(log);
-  const fs::path summary = output / "summary.json";
-  const auto text = read_input(summary.string(), kMaxSummaryBytes);
   if (!text.ok()) return text.error();
   try {
     complete(nlohmann::json::parse(*text), figures);

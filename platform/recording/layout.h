@@ -33,6 +33,10 @@ inline path odometry_csv(const path& folder) {
 inline path odometry_tum(const path& folder) {
   return folder / "odometry.tum";
 }
+// How the clock of the stamps lay against the wall clock; recordings may have none.
+inline path clocks(const path& folder) {
+  return folder / "clock.csv";
+}
 // What the running robot itself thought, when it was recorded; not used by a replay.
 inline path estimate(const path& folder) {
   return folder / "estimate.tum";

@@ -1,5 +1,8 @@
 #include "platform/recording/recording.h"
 
+#include <algorithm>
+#include <cstdio>
+
 #include "platform/base/printable.h"
 #include "platform/recording/layout.h"
 #include "platform/recording/odometry_file.h"
@@ -7,16 +10,34 @@
 #include "platform/recording/sensor_file.h"
 
 namespace zenith {
-namespace {
-
 namespace fs = std::filesystem;
 
-std::string name_of(const fs::path& folder) {
-  const fs::path plain = fs::absolute(folder).lexically_normal();
-  return (plain.has_filename() ? plain : plain.parent_path()).filename().string();
+namespace {
+
+// Wheels that tell of less than most of the frames' time; empty when they tell of enough.
+std::string describe_share(const std::vector<WheelSample>& samples,
+                           const std::vector<ListedFrame>& frames) {
+  constexpr double kLeast = 0.9;
+  const double whole_s = (frames.back().stamp - frames.front().stamp).seconds();
+  const double common_s = (std::min(samples.back().stamp, frames.back().stamp) -
+                           std::max(samples.front().stamp, frames.front().stamp))
+                              .seconds();
+  if (common_s >= kLeast * whole_s) return {};
+  char text[160];
+  std::snprintf(
+      text, sizeof text,
+      ": odometry and frames share %.1f s of the frames' %.1f s (%.0f %%), expected 90 %% "
+      "or more: are both stamped by one clock?",
+      common_s, whole_s, 100.0 * common_s / whole_s);
+  return text;
 }
 
 }  // namespace
+
+std::string Recording::name_of(const fs::path& folder) {
+  const fs::path plain = fs::absolute(folder).lexically_normal();
+  return (plain.has_filename() ? plain : plain.parent_path()).filename().string();
+}
 
 Result<std::unique_ptr<Recording>> Recording::open(const fs::path& folder,
                                                    const ReadOptions& options) {
@@ -57,6 +78,11 @@ Status Recording::load_description() {
     if (!truth.ok()) return truth.error();
     truth_ = std::move(*truth);
   }
+  if (fs::exists(layout::clocks(folder_), code)) {
+    auto clock = read_clock_log(layout::clocks(folder_));
+    if (!clock.ok()) return clock.error();
+    clock_ = std::move(*clock);
+  }
   return load_odometry(*robot);
 }
 
@@ -80,14 +106,31 @@ Status Recording::check_files() {
 Status Recording::load_odometry(const RobotFile& robot) {
   const auto file = find_odometry(folder_, robot.can_interface);
   if (!file.ok()) return file.error();
-  const auto log = read_odometry(*file, robot);
+  auto log = read_odometry(*file, robot);
   if (!log.ok()) return log.error();
   const fs::path& path = file->path;
+  if (const Status moved = move_wheels(log->samples, path); !moved) return moved;
   const auto gaps = describe_gaps(*log, frames_, path, options_.max_odometry_gap_s);
   if (!gaps.ok()) return gaps.error();
   warnings_ = describe_log(*log, path);
   warnings_.insert(warnings_.end(), gaps->begin(), gaps->end());
+  if (auto share = describe_share(log->samples, frames_); !share.empty()) {
+    warnings_.push_back(path.string() + share);
+  }
   for (const WheelSample& sample : log->samples) wheels_.push(sample);
+  return {};
+}
+
+Status Recording::move_wheels(std::vector<WheelSample>& samples, const fs::path& path) {
+  wheels_moved_ = options_.wheels_from_first_frame ? samples.front().stamp - frames_.front().stamp
+                                                   : options_.wheels_late;
+  if (wheels_moved_ == Duration{}) return {};
+  for (WheelSample& sample : samples) {
+    if (__builtin_sub_overflow(sample.stamp.ns, wheels_moved_.ns, &sample.stamp.ns)) {
+      return Error{path.string() + ": stamps that are moved by " +
+                   std::to_string(-wheels_moved_.seconds()) + " s are beyond what a clock has"};
+    }
+  }
   return {};
 }
 

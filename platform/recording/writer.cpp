@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "platform/recording/candump.h"
+#include "platform/recording/clock_log.h"
 #include "platform/recording/ground_truth.h"
 #include "platform/recording/layout.h"
 #include "platform/recording/png.h"
@@ -117,9 +118,17 @@ void RecordingWriter::add_estimate(Time stamp, const Pose2& T_start_robot) {
   add_pose(folder_, layout::estimate(folder_.path()), estimate_, {stamp, T_start_robot});
 }
 
+void RecordingWriter::add_clock(const ClockReading& reading) {
+  if (!clock_.is_open()) {
+    clock_ = new_list(folder_, layout::clocks(folder_.path()));
+    clock_.add(kClockLogHeader);
+  }
+  clock_.add(format_clock_reading(reading));
+}
+
 Status RecordingWriter::flush() {
   Status status;
-  for (LineFile* file : {&can_log_, &truth_, &estimate_, &frame_list_}) {
+  for (LineFile* file : {&can_log_, &truth_, &estimate_, &clock_, &frame_list_}) {
     const bool used = file->bytes() > 0 || file == &can_log_ || file == &frame_list_;
     if (!used) continue;
     const Status flushed = file->flush();
@@ -129,7 +138,8 @@ Status RecordingWriter::flush() {
 }
 
 std::uint64_t RecordingWriter::list_bytes() const {
-  return frame_list_.bytes() + can_log_.bytes() + truth_.bytes() + estimate_.bytes();
+  return frame_list_.bytes() + can_log_.bytes() + truth_.bytes() + estimate_.bytes() +
+         clock_.bytes();
 }
 
 }  // namespace zenith

@@ -10,6 +10,7 @@
 
 #include "drivers/odometry/can_frame.h"
 #include "platform/base/result.h"
+#include "platform/linux/clock_reading.h"
 #include "platform/linux/new_folder.h"
 #include "platform/recording/line_file.h"
 #include "platform/recording/robot_file.h"
@@ -31,6 +32,8 @@ class RecordingWriter {
   void add_can(const CanFrame& frame);
   void add_truth(Time stamp, const Pose2& T_world_robot);
   void add_estimate(Time stamp, const Pose2& T_start_robot);
+  // Monotonic times do not fall. Recordings without any have no clock.csv.
+  void add_clock(const ClockReading& reading);
 
   // The two halves of add_frame(). On any threads: the frame's file; its size in bytes, or nothing
   // is left of it. And, in the order of stamps, that it is complete.
@@ -57,6 +60,7 @@ class RecordingWriter {
   LineFile can_log_;
   LineFile truth_;
   LineFile estimate_;
+  LineFile clock_;
 };
 
 }  // namespace zenith

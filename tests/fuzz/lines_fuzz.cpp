@@ -1,5 +1,5 @@
-// Any text as what recordings hold line by line: the first byte chooses a CAN log, a list of frames,
-// a trajectory, the wheels' travel or the base's own poses.
+// Any text as what recordings hold line by line: the first byte chooses a CAN log, a list of
+// frames, a trajectory, the wheels' travel, the base's own poses or clocks.
 
 #include <cmath>
 #include <cstdint>
@@ -10,6 +10,7 @@
 #include "drivers/odometry/wheel_decoder.h"
 #include "platform/recording/can_log.h"
 #include "platform/recording/candump.h"
+#include "platform/recording/clock_log.h"
 #include "platform/recording/frame_list.h"
 #include "platform/recording/ground_truth.h"
 #include "platform/recording/odometry_frames.h"
@@ -103,12 +104,30 @@ void read_poses_of_base(std::string_view text) {
   check_wheels(parse_pose_travel(lines, {}));
 }
 
+void read_clocks_of(std::string_view text) {
+  InputLines lines(text, "clock.csv", kLimits);
+  const auto log = parse_clock_log(lines);
+  if (!log) {
+    require(log.error().message.starts_with("clock.csv"));
+    return;
+  }
+  Time last = {0};
+  for (const ClockReading& r : log->readings()) {
+    require(r.monotonic >= last);
+    // Time never falls, whatever the clocks did.
+    require(r.monotonic + log->offset(r.monotonic) >= last + log->offset(last));
+    last = r.monotonic;
+  }
+  (void)log->stepped();
+  require(log->slept().ns >= 0);
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return 0;
   const std::string_view text(reinterpret_cast<const char*>(data + 1), size - 1);
-  switch ((data[0] + 2U) % 5) {  // '0' to '4'
+  switch (data[0] % 6) {  // '0' to '5'
     case 0:
       read_can(text, std::nullopt);
       read_can(text, Time{5'000'000'000});
@@ -122,8 +141,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     case 3:
       read_travel(text);
       break;
-    default:
+    case 4:
       read_poses_of_base(text);
+      break;
+    default:
+      read_clocks_of(text);
   }
   return 0;
 }

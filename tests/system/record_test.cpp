@@ -23,6 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using testing::HasSubstr;
+using tools::edit_text;
 using tools::read_text;
 using tools::write_text;
 
@@ -135,6 +136,47 @@ TEST_F(RecordSystemTest, TheRunningRobotIsRecordedAndTheRecordingReplays) {
   daemon->send(SIGTERM);
   EXPECT_EQ(daemon->wait(kLimit_s), 0);
   EXPECT_FALSE(fs::exists(socket_));
+}
+
+// Two computers that were started at different times: one of the recorders in a time namespace.
+TEST_F(RecordSystemTest, RecordingsOfTwoComputersAreReplayedOnOneClock) {
+  const std::vector<std::string> elsewhere = {"unshare", "-T",         "--fork", "--monotonic",
+                                              "5000",    "--boottime", "5000"};
+  const auto with = [](std::vector<std::string> words, const std::vector<std::string>& more) {
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  };
+  Process probe(with(elsewhere, {"true"}), path("probe.txt"), path("probe-errors.txt"));
+  if (probe.wait(kLimit_s) != 0) {
+    GTEST_SKIP() << "no time namespaces here: " << read_text(path("probe-errors.txt"));
+  }
+  std::vector<std::string> outs;
+  std::vector<std::unique_ptr<Process>> recorders;
+  for (const char* robot : {"r1", "r2"}) {
+    const std::string config = path(std::string(robot) + ".toml");
+    write_text(config, read_text(config_));
+    edit_text(config, "[simulation]\n", std::string("[simulation]\nrobot = \"") + robot + "\"\n");
+    outs.push_back(path(robot));
+    const std::vector<std::string> record = {ZENITH_TOOL, "record",     outs.back(), "--config",
+                                             config,      "--duration", "4"};
+    recorders.push_back(std::make_unique<Process>(
+        recorders.empty() ? record : with(elsewhere, record), path("out.txt"), path("err.txt")));
+  }
+  for (const auto& recorder : recorders) {
+    EXPECT_EQ(recorder->wait(kLimit_s), 0) << read_text(path("err.txt"));
+  }
+  const auto first = read_frame_list(layout::frame_list(outs[0]));
+  const auto second = read_frame_list(layout::frame_list(outs[1]));
+  ASSERT_TRUE(first.ok() && second.ok());
+  EXPECT_GT((second->front().stamp - first->front().stamp).seconds(), 4900.0);
+  Process replay({ZENITH_TOOL, "replay", outs[0], outs[1], "--out", path("map")},
+                 path("replay.txt"), path("replay-errors.txt"));
+  EXPECT_EQ(replay.wait(kLimit_s), 0) << read_text(path("replay-errors.txt"));
+  const std::string told = read_text(path("replay.txt"));
+  EXPECT_THAT(told, HasSubstr("clocks: on wall time by clock.csv"));
+  const std::size_t common = told.find("r1 and r2: ");
+  ASSERT_NE(common, std::string::npos) << told;
+  EXPECT_GT(std::stod(told.substr(common + 11)), 1.0) << told;
 }
 
 TEST_F(RecordSystemTest, WhatAKilledRecorderWroteIsARecordingAndTheRobotGoesOn) {

@@ -92,7 +92,8 @@ std::string lines_to_change(const DriveCalibration& c, const RobotResult& result
   if (c.setup.change.picture != Mirrored::kNot) {
     const char* flip =
         c.setup.change.picture == Mirrored::kColumns ? "horizontal_flip" : "vertical_flip";
-    text += std::string("# First switch off the flip of the camera or its driver, for no line does:\n") +
+    text += std::string(
+                "# First switch off the flip of the camera or its driver, for no line does:\n") +
             "#   v4l2-ctl -d DEVICE --set-ctrl " + flip +
             "=0\n# These are the numbers of the picture the right way round.\n";
   }

@@ -121,9 +121,9 @@ double apply_references(const DriveReferences& references, double camera_m, Driv
 void measure_way(const DriveData& data, DriveCalibration& c) {
   const Wheels wheels = c.solution.unknowns.wheels();
   for (std::size_t i = 1; i < data.frames.size(); ++i) {
-    const Pose2 moved = wheel_motion(
-        wheels, data.travel(data.frames[i - 1].time_s, data.frames[i].time_s,
-                            c.solution.unknowns.latency_s));
+    const Pose2 moved =
+        wheel_motion(wheels, data.travel(data.frames[i - 1].time_s, data.frames[i].time_s,
+                                         c.solution.unknowns.latency_s));
     c.driven_m += moved.position().norm();
     c.turned_deg += std::abs(moved.theta_rad) * kDegPerRad;
   }
@@ -171,9 +171,10 @@ void doubt_lever_arm(double track_width_m, DriveCalibration& c) {
   for (DriveEstimate& e : c.estimates) {
     for (const auto& [key, reach_m] : reaches) {
       if (e.key != key || std::abs(e.value) - 2.0 * e.sigma <= reach_m) continue;
-      e.doubt = formatted("%.2f m is outside of a robot whose tracks are %.2f m apart, expected "
-                          "within %.2f m",
-                          e.value, track_width_m, reach_m);
+      e.doubt = formatted(
+          "%.2f m is outside of a robot whose tracks are %.2f m apart, expected "
+          "within %.2f m",
+          e.value, track_width_m, reach_m);
     }
   }
 }
@@ -233,10 +234,11 @@ void judge_estimates(DriveCalibration& c) {
                         e.key + " is doubtful: " + e.doubt + "; it stays as it was: " + e.advice);
     } else if (!e.shown()) {
       c.judgement.lower(Worth::kUsable,
-                        e.key + formatted(" is doubtful, +- %.3g %s where %.3g is expected: ",
-                                          e.sigma, e.unit.c_str(), e.usable) +
-                            "this drive does not show " + e.key + ", which stays as it was: " +
-                            e.advice);
+                        e.key +
+                            formatted(" is doubtful, +- %.3g %s where %.3g is expected: ", e.sigma,
+                                      e.unit.c_str(), e.usable) +
+                            "this drive does not show " + e.key +
+                            ", which stays as it was: " + e.advice);
     } else if (e.sigma > e.good) {
       c.judgement.lower(Worth::kUsable, e.key + " could be known better: " + e.advice);
     }

@@ -23,9 +23,9 @@ struct DriveEstimate {
   double before = 0.0;
   double value = 0.0;
   double sigma = 0.0;
-  double good = 0.0;    // sigma below this
-  double usable = 0.0;  // and below this; else the drive does not show it
-  std::string advice;   // when it does not
+  double good = 0.0;       // sigma below this
+  double usable = 0.0;     // and below this; else the drive does not show it
+  std::string advice;      // when it does not
   std::string doubt = {};  // why it cannot be, all the same; empty: it can
 
   bool shown() const { return sigma <= usable && doubt.empty(); }

@@ -44,8 +44,7 @@ Status draw_drive(const DriveData& data, const DriveCalibration& c,
                   const std::filesystem::path& path) {
   const Way seen = by_sight(c.solution);
   const Way before = by_wheels(data, data.believed.wheels, 0.0);
-  const Way after =
-      by_wheels(mended(data, c.setup), c.robot.wheels, c.latency_s - c.setup.delay_s);
+  const Way after = by_wheels(mended(data, c.setup), c.robot.wheels, c.latency_s - c.setup.delay_s);
   Eigen::AlignedBox<double, 2> box;
   for (const Way* way : {&seen, &before, &after}) {
     for (const auto& p : *way) box.extend(p);

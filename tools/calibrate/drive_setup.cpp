@@ -126,8 +126,8 @@ bool DriveSetup::contradicts() const {
 
 DriveSetup find_setup(const DriveData& data) {
   DriveSetup out;
-  out.fit = fit_setup(data.seen, data.wheels, data.believed.wheels,
-                      {-kLongestDelay_s, kLongestDelay_s});
+  out.fit =
+      fit_setup(data.seen, data.wheels, data.believed.wheels, {-kLongestDelay_s, kLongestDelay_s});
   const SetupFit& f = out.fit;
   if (!f.known) return out;
   if (f.delay_is_sure()) out.delay_s = f.delay_s;
@@ -178,14 +178,14 @@ std::string change_text(const SetupChange& c) {
   const auto add = [&text](const std::string& more) {
     text += (text.empty() ? "" : " and ") + more;
   };
-  if (c.picture == Mirrored::kColumns) add("the picture is mirrored: its columns run the wrong way");
+  if (c.picture == Mirrored::kColumns)
+    add("the picture is mirrored: its columns run the wrong way");
   if (c.picture == Mirrored::kRows) add("the picture is mirrored: its rows run the wrong way");
   if (c.wheels.swap) add("left and right wheel are exchanged");
   if (c.wheels.invert_left && c.wheels.invert_right) {
     add("both wheels count backward");
   } else if (one_reversed(c.wheels)) {
-    add(std::string("the ") + (c.wheels.invert_left ? "left" : "right") +
-        " wheel counts backward");
+    add(std::string("the ") + (c.wheels.invert_left ? "left" : "right") + " wheel counts backward");
   }
   if (c.yaw_rad != 0.0) {
     add(formatted("the camera is turned by %.0f degrees against mount.yaw_deg",
@@ -202,12 +202,12 @@ std::vector<std::string> setup_text(const DriveSetup& setup) {
         "straight, and turn on the spot by 180 degrees to each side");
   }
   if (setup.contradicts()) {
-    lines.push_back(formatted("the wheels do not explain %.0f %% of the turning that is seen, ",
-                              100.0 * setup.fit.fit.turn_rest) +
-                    formatted("in whatever order and sign and with delays of up to %.1f s; ",
-                              kLongestDelay_s) +
-                    "expected less than 15: check which signals are the wheels', and whether both "
-                    "clocks run alike");
+    lines.push_back(
+        formatted("the wheels do not explain %.0f %% of the turning that is seen, ",
+                  100.0 * setup.fit.fit.turn_rest) +
+        formatted("in whatever order and sign and with delays of up to %.1f s; ", kLongestDelay_s) +
+        "expected less than 15: check which signals are the wheels', and whether both "
+        "clocks run alike");
     return lines;
   }
   const std::string change = change_text(setup.change);

@@ -28,7 +28,7 @@ enum class Mirrored { kNot, kColumns, kRows };
 struct SetupChange {
   WheelOrder wheels;
   Mirrored picture = Mirrored::kNot;  // columns run, or rows, the other way round
-  double yaw_rad = 0.0;   // to be added to the mount's; 0 while it is no mistake, but a calibration
+  double yaw_rad = 0.0;  // to be added to the mount's; 0 while it is no mistake, but a calibration
 
   bool operator==(const SetupChange&) const = default;
 };

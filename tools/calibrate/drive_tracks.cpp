@@ -127,8 +127,7 @@ Result<DriveData> track_drive(Source& source, const std::function<void(double)>&
   WheelTravel before;
   double turned_rad = 0.0;  // since the last kept frame
   const auto told_turn = [&data](const WheelTravel& from, const WheelTravel& to) {
-    return wheel_motion(data.believed.wheels,
-                        {to.left_m - from.left_m, to.right_m - from.right_m})
+    return wheel_motion(data.believed.wheels, {to.left_m - from.left_m, to.right_m - from.right_m})
         .theta_rad;
   };
   for (;;) {
@@ -147,8 +146,8 @@ Result<DriveData> track_drive(Source& source, const std::function<void(double)>&
     const ImageView image{frame.pixels.data(), lens.width_px, lens.height_px, lens.width_px};
     turned_rad += tracker.follow(now_s, image, told_turn(before, total));
     before = total;
-    const double moved_m = std::max(std::abs(total.left_m - kept.left_m),
-                                    std::abs(total.right_m - kept.right_m));
+    const double moved_m =
+        std::max(std::abs(total.left_m - kept.left_m), std::abs(total.right_m - kept.right_m));
     if (first || moved_m > kKeepDistance_m || std::abs(turned_rad) > kKeepTurn_rad) {
       data.frames.push_back(tracker.frame(now_s));
       kept = total;

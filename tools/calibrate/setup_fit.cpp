@@ -9,10 +9,10 @@ namespace zenith::tools {
 namespace {
 
 constexpr int kLeastIntervals = 20;
-constexpr double kLeastTurn_rad = 1.0;   // in all, to both sides
-constexpr double kLeastCovered = 0.6;    // of the seen turns' power, by a delay
-constexpr double kPlain_m = 0.02;        // a turn that is off by more counts less: Huber's loss
-constexpr double kFloor_m2 = 1e-7;       // of an interval: 0.1 degrees at 0.4 m
+constexpr double kLeastTurn_rad = 1.0;  // in all, to both sides
+constexpr double kLeastCovered = 0.6;   // of the seen turns' power, by a delay
+constexpr double kPlain_m = 0.02;       // a turn that is off by more counts less: Huber's loss
+constexpr double kFloor_m2 = 1e-7;      // of an interval: 0.1 degrees at 0.4 m
 constexpr int kRounds = 3;
 // As slam/watch: standard deviations, gain, share of the turns' power that may be left.
 constexpr double kClear = 3.5;
@@ -82,8 +82,8 @@ class Fitter {
     const double middle = std::clamp(0.0, range.from_s, range.to_s);
     double best = middle;
     double least = rest(middle);
-    const auto steps = static_cast<int>(
-        std::ceil(std::max(range.to_s - middle, middle - range.from_s) / step_s));
+    const auto steps =
+        static_cast<int>(std::ceil(std::max(range.to_s - middle, middle - range.from_s) / step_s));
     for (int k = 1; k <= steps; ++k) {
       for (const double d : {middle + k * step_s, middle - k * step_s}) {
         if (d < range.from_s || d > range.to_s) continue;

@@ -26,8 +26,7 @@ struct WheelOrder {
   }
   // This one done to what `first` has made.
   WheelOrder after(const WheelOrder& first) const {
-    return {swap != first.swap,
-            invert_left != (swap ? first.invert_right : first.invert_left),
+    return {swap != first.swap, invert_left != (swap ? first.invert_right : first.invert_left),
             invert_right != (swap ? first.invert_left : first.invert_right)};
   }
 };

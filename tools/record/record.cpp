@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "platform/linux/clock.h"
+#include "platform/recording/clock_log.h"
 #include "platform/recording/layout.h"
 #include "tools/record/frame_store.h"
 
@@ -71,6 +72,12 @@ class Recorder final : public RecordSink {
     ++figures_.poses;
   }
 
+  // How the clocks lie now; `always`: also when nothing has changed.
+  void clocks(const ClockReading& reading, bool always) {
+    if (changes_.is_change(reading) || always) writer_.add_clock(reading);
+    figures_.synchronised = reading.synchronised;
+  }
+
   // The files hold all but what is under way.
   Status flush() {
     const Status stored = frames_.collect();
@@ -101,6 +108,7 @@ class Recorder final : public RecordSink {
   RecordingWriter writer_;
   FrameStore frames_;
   RecordFigures figures_;
+  ClockChanges changes_;
   bool has_frame_ = false;
   Time first_;
   tap::FrameHead last_;
@@ -143,6 +151,7 @@ Result<RecordFigures> record(const RecordPlan& plan, RecordSource& source,
                  megabytes(plan.keep_free_mb) + " that --keep-free leaves to others"};
   }
   Recorder recorder(plan, std::move(*writer));
+  recorder.clocks(plan.clocks(), true);
   std::string why;
   bool failed = false;
   const auto end_with = [&](const std::string& reason, bool is_failure) {
@@ -157,6 +166,7 @@ Result<RecordFigures> record(const RecordPlan& plan, RecordSource& source,
     const auto taken = source.take(kTake, recorder);
     more = taken && *taken;
     if (!taken) end_with(taken.error().message, true);
+    recorder.clocks(plan.clocks(), !more);
     const RecordFigures& figures = recorder.figures(source.end());
     tell(figures);
     if (more && stop()) end_with("stopped", false);
@@ -197,6 +207,11 @@ std::string record_summary(const RecordPlan& plan, const RecordFigures& figures)
   if (figures.frames == 0) return lines + "No frame came: there is nothing to replay.\n";
   if (figures.can == 0) {
     lines += "No CAN frame came: a replay needs the wheels. `zenith doctor` looks for the cause.\n";
+  }
+  if (!figures.synchronised) {
+    lines +=
+        "This computer's wall clock is not synchronised (NTP): together with other robots' "
+        "recordings this one is replayed only as rightly as that clock goes.\n";
   }
   const std::string out = plan.out.string();
   return lines + "Map it:  zenith replay " + out + " --out " + out + "-map\n";

@@ -9,6 +9,7 @@
 
 #include "platform/base/result.h"
 #include "platform/base/time.h"
+#include "platform/linux/clock_reading.h"
 #include "tools/record/source.h"
 
 namespace zenith::tools {
@@ -22,6 +23,7 @@ struct RecordPlan {
   int threads = 2;
   // How long a frame may wait for a place; a daemon's frames wait there meanwhile.
   Duration patience = {1'000'000'000};
+  std::function<ClockReading()> clocks = read_clocks;  // written to clock.csv
 };
 
 // How far it is.
@@ -36,6 +38,7 @@ struct RecordFigures {
   std::uint64_t can_left_out = 0;  // the same
   std::uint64_t passed_over = 0;   // frames that the daemon, or the driver, did not see itself
   std::uint64_t out_of_order = 0;  // frames whose stamp does not rise: left out
+  bool synchronised = false;       // the wall clock, so that clock.csv can be trusted
   std::string why;                 // it ended
   bool failed = false;             // it ended otherwise than asked
 };

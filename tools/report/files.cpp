@@ -7,6 +7,7 @@
 #include "platform/recording/ground_truth.h"
 #include "platform/recording/seconds.h"
 #include "tools/atomic_output.h"
+#include "tools/clocks/shift_json.h"
 #include "tools/report/figures_text.h"
 
 namespace zenith::tools {
@@ -167,6 +168,11 @@ std::string summary_text_of(const TeamLog& log, const TeamFigures& figures,
   json["zenith"] = ZENITH_VERSION;
   json["seed"] = run.seed;
   json["parameters"] = parameters_json(run.parameters);
+  if (!run.alignment.shifts.empty()) {
+    json["clocks"] = {{"wall_time", run.alignment.wall},
+                      {"notes", run.alignment.notes},
+                      {"warnings", run.alignment.warnings}};
+  }
   if (log.joint) json["joint"] = joint_json(log, *log.joint);
   for (std::size_t i = 0; i < log.robots.size(); ++i) {
     nlohmann::json& robot = json["robots"][i];
@@ -178,6 +184,7 @@ std::string summary_text_of(const TeamLog& log, const TeamFigures& figures,
     robot["corner_sigma_px"] = log.robots[i].corner_sigma_px;
     robot["setup"] = setup_json(log.robots[i].setup);
     if (i < run.warnings.size()) robot["warnings"] = run.warnings[i];
+    if (i < run.alignment.shifts.size()) robot["clock"] = shift_json(run.alignment.shifts[i]);
     int merges = 0;
     for (const PairFigures& pair : figures.pairs) {
       if (pair.own == static_cast<int>(i)) merges += pair.merges;

@@ -14,6 +14,7 @@
 
 #include "platform/base/result.h"
 #include "slam/parameters.h"
+#include "tools/clocks/alignment.h"
 #include "tools/report/figures.h"
 #include "tools/runner/run_log.h"
 
@@ -23,6 +24,7 @@ struct RunDescription {
   std::uint64_t seed = 1;
   Parameters parameters;
   std::vector<std::vector<std::string>> warnings;  // by robot
+  Alignment alignment;                             // of their clocks; empty: stamps as recorded
 };
 
 // Into `folder`, which exists.

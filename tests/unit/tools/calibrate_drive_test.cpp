@@ -179,8 +179,9 @@ TEST(CalibrateDriveFiles, LinesThatMendASetUpGoIntoTheConfiguration) {
   result.wheels = WheelOrder{true, false, true};
   result.robot.mount.yaw_rad = std::numbers::pi / 2.0;
   const std::string lines = edited_toml("", robot_values(result));
-  for (const char* line : {"[odometry]", "swap_wheels = true", "invert_left = false",
-                           "invert_right = true", "latency_s = 0.7500", "[mount]", "yaw_deg = 90.0000"}) {
+  for (const char* line :
+       {"[odometry]", "swap_wheels = true", "invert_left = false", "invert_right = true",
+        "latency_s = 0.7500", "[mount]", "yaw_deg = 90.0000"}) {
     EXPECT_THAT(lines, HasSubstr(line));
   }
   EXPECT_EQ(lines.find("[odometry]"), lines.rfind("[odometry]")) << "no section twice";

@@ -155,13 +155,13 @@ void DriveSetups::check_turned_mount() const {
     EXPECT_THAT(setup.causes, ElementsAre(kYawWrong));
     EXPECT_EQ(setup.change.wheels, WheelOrder{});
     EXPECT_EQ(setup.change.picture, Mirrored::kNot);
-    EXPECT_NEAR(std::abs(wrap_angle(setup.change.yaw_rad + degrees * kDegree)), 0.0,
-                6.0 * kDegree);
+    EXPECT_NEAR(std::abs(wrap_angle(setup.change.yaw_rad + degrees * kDegree)), 0.0, 6.0 * kDegree);
   }
 }
 
 INSTANTIATE_TEST_SUITE_P(Worlds, DriveSetups,
-                         testing::Values(World{"calibration", 30.0, 1}, World{"calibration", 30.0, 2},
+                         testing::Values(World{"calibration", 30.0, 1},
+                                         World{"calibration", 30.0, 2},
                                          World{"corridor-rooms", 36.0, 1},
                                          World{"corridor-rooms", 36.0, 3}),
                          [](const auto& world) {

@@ -107,6 +107,40 @@ TEST_F(RecordTest, WhatComesIsARecordingThatReadsBack) {
   EXPECT_THAT(record_summary(plan_, *figures), HasSubstr("zenith replay"));
 }
 
+TEST_F(RecordTest, SaysWhereItsClockLies) {
+  // The wall clock is set by 3 s at the fifth look, and the board has slept at the eighth.
+  int looks = 0;
+  plan_.clocks = [&looks] {
+    ++looks;
+    const std::int64_t slept = looks >= 8 ? 60'000'000'000 : 0;
+    const std::int64_t set = looks >= 5 ? 3'000'000'000 : 0;
+    return ClockReading{
+        {looks * 100'000'000LL}, {slept}, {1'780'000'000'000'000'000 + slept + set}, looks >= 5};
+  };
+  FakeSource source(10);
+  const auto figures = run(source);
+  ASSERT_TRUE(figures.ok()) << figures.error().message;
+  EXPECT_TRUE(figures->synchronised);
+  const auto recording = Recording::open(plan_.out, {});
+  ASSERT_TRUE(recording.ok()) << recording.error().message;
+  const auto& clock = (*recording)->clock();
+  ASSERT_TRUE(clock);
+  ASSERT_EQ(clock->readings().size(), 4u) << "start, step, sleep, end";
+  EXPECT_EQ(clock->readings()[1].monotonic.ns, 500'000'000);
+  EXPECT_NEAR(clock->stepped().seconds(), 3.0, 1e-9);
+  EXPECT_NEAR(clock->slept().seconds(), 60.0, 1e-9);
+  EXPECT_EQ(clock->offset({0}).ns, 1'780'000'003'000'000'000);
+  EXPECT_THAT(record_summary(plan_, *figures), testing::Not(HasSubstr("NTP")));
+}
+
+TEST_F(RecordTest, AClockThatNobodyKeepsIsTold) {
+  plan_.clocks = [] { return ClockReading{{1}, {}, {5}, false}; };
+  FakeSource source(3);
+  const auto figures = run(source);
+  ASSERT_TRUE(figures.ok());
+  EXPECT_THAT(record_summary(plan_, *figures), HasSubstr("not synchronised (NTP)"));
+}
+
 TEST_F(RecordTest, FrameRecordsAreNeverOverwritten) {
   fs::create_directories(folder_.path() / "rec");
   write_text(folder_.path() / "rec" / "mine", "x");
