@@ -85,12 +85,8 @@ class CalibrationEstimator {
            const SightSensitivity& D, const Eigen::Matrix2d& weight, const Eigen::Vector2d& u);
   // All inliers were added. How the frame's pose correction (body axes) depends on beta.
   PoseSensitivity pose_gain();
-  // The frame's verdict, which is owed to beta.
-  void end_frame();
-  // What was learned and is not yet in beta: a step that moves poses far is taken in parts.
-  const CalibrationVector& owed() const { return owed_; }
-  // Takes a share of it, 0 to 1, into beta; that part.
-  CalibrationVector pay(double share);
+  // The frame's verdict: the step by which beta changed.
+  CalibrationVector end_frame();
 
   const CalibrationVector& beta() const { return beta_; }
   CalibrationMatrix covariance() const;
@@ -98,7 +94,6 @@ class CalibrationEstimator {
  private:
   bool enabled_ = false;
   CalibrationVector beta_ = CalibrationVector::Zero();
-  CalibrationVector owed_ = CalibrationVector::Zero();
   CalibrationMatrix information_ = CalibrationMatrix::Identity();
   CalibrationMatrix prior_ = CalibrationMatrix::Identity();
   bool broken_ = false;
