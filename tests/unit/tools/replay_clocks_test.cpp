@@ -58,11 +58,10 @@ void move_frames(const fs::path& recording, Duration by) {
 void move_wheels(const fs::path& recording, Duration by) {
   std::string text;
   for (const std::string& line : lines_of(layout::can_log(recording, "can0"))) {
-    CanFrame frame;
-    std::string_view interface;
-    ASSERT_EQ(parse_candump(line, frame, interface), CandumpLine::kFrame);
-    frame.stamp = frame.stamp + by;
-    text += format_candump(frame, interface) + '\n';
+    CandumpRecord record = parse_candump(line);
+    ASSERT_EQ(record.line, CandumpLine::kFrame);
+    record.frame.stamp = record.frame.stamp + by;
+    text += format_candump(record.frame, record.interface) + '\n';
   }
   write_text(layout::can_log(recording, "can0"), text);
 }
