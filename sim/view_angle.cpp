@@ -4,9 +4,14 @@
 #include <cmath>
 #include <numbers>
 
+#include "slam/image/view.h"
+
 namespace zenith::sim {
 
-double max_view_angle_deg(double rectified_fov_deg, const RobotConfig& robot) {
+double max_view_angle_deg(double given_fov_deg, const RobotConfig& robot) {
+  Parameters parameters;
+  parameters.rectified_fov_deg = given_fov_deg;
+  const double rectified_fov_deg = with_fitted_view(parameters, robot).rectified_fov_deg;
   constexpr double kDegrees = 180.0 / std::numbers::pi;
   constexpr double kMargin_deg = 4.0;
   const double half_fov = 0.5 * rectified_fov_deg / kDegrees;

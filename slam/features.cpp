@@ -5,6 +5,8 @@
 #include <numbers>
 #include <utility>
 
+#include "slam/image/view.h"
+
 namespace zenith {
 namespace {
 
@@ -26,7 +28,8 @@ void FeatureExtractor::layout(Arena& arena) {
 }
 
 void FeatureExtractor::build(const RobotConfig& robot, const Parameters& parameters) {
-  pinhole_ = Pinhole::from_fov(parameters.rectified_fov_deg * std::numbers::pi / 180.0);
+  pinhole_ = Pinhole::from_fov(with_fitted_view(parameters, robot).rectified_fov_deg *
+                               std::numbers::pi / 180.0);
   settings_.min_eigenvalue = parameters.corner_min_eigenvalue;
   settings_.min_distance_px = parameters.corner_min_distance_px;
   settings_.max_corners = parameters.corners_max;

@@ -10,6 +10,7 @@
 
 #include "slam/filter/resample.h"
 #include "slam/image/lens_projection.h"
+#include "slam/image/view.h"
 
 namespace zenith {
 namespace {
@@ -41,10 +42,12 @@ void Mapper::layout(Arena& arena, const Parameters& parameters) {
 
 void Mapper::build(const RobotConfig& robot, const Parameters& parameters, std::uint64_t seed) {
   robot_ = robot;
-  p_ = parameters;
+  p_ = with_fitted_view(parameters, robot);
   random_ = Random(seed, 1);
   const double f = Pinhole::from_fov(p_.rectified_fov_deg * kDegree).focal_px;
-  const double slope = LensProjection(robot.lens).axis_slope();
+  const LensProjection projection(robot.lens);
+  const double slope = projection.axis_slope();
+  growth_ = pixel_growth(projection, p_.rectified_fov_deg);
   noise_ = static_cast<float>(p_.pixel_sigma_px * p_.pixel_sigma_px /
                               (robot.lens.fu_px * robot.lens.fv_px * slope * slope));
   association_.gate_sigma = p_.gate_sigma;
@@ -109,7 +112,7 @@ void Mapper::move(const MotionIncrement& moved, Features& features) {
   pose_by_calibration_.row(0) -= (pose_.mean.y_m - before.y_m) * pose_by_calibration_.row(2);
   pose_by_calibration_.row(1) += (pose_.mean.x_m - before.x_m) * pose_by_calibration_.row(2);
   for (Feature& f : features) {
-    const Eigen::Vector2d shift = calibration_effect({f.zx, f.zy}) * calibration_.beta();
+    const Eigen::Vector2d shift = calibration_effect({f.zx, f.zy}, growth_) * calibration_.beta();
     f.zx += static_cast<float>(shift.x());
     f.zy += static_cast<float>(shift.y());
     f.noise = observation_noise(f.zx * f.zx + f.zy * f.zy);
@@ -186,7 +189,7 @@ void Mapper::learn_calibration(const Features& features) {
                                                lever_m(), static_cast<double>(c.noise));
       visit(c, z, model,
             residual_sensitivity(model, z, map_->by_calibration(c.slot), pose_by_calibration_,
-                                 map_->anchor_by_calibration(c.slot)));
+                                 map_->anchor_by_calibration(c.slot), growth_));
     }
   };
   for_each_inlier([&](const Candidate& c, const Eigen::Vector2d& z, const ObservationModel&,

@@ -113,11 +113,9 @@ class Mapper {
   MotionNoise motion_noise() const;
 
  private:
-  // A corner is found to so many pixels of the fisheye frame; rectified, a pixel grows by 1 + r^2
-  // along the radius and by about its root across it. One variance for both axes: the geometric
-  // mean.
+  // A corner is found to so many pixels of the frame, and rectified pixels grow outwards.
   float observation_noise(float r2) const {
-    return static_cast<float>(noise_scale_.kappa()) * noise_ * (1.0F + r2) * std::sqrt(1.0F + r2);
+    return growth_.grown(static_cast<float>(noise_scale_.kappa()) * noise_, r2);
   }
 
   static constexpr int kLeastSeen = 3;
@@ -195,6 +193,7 @@ class Mapper {
   AssociationSettings association_;
   Random random_{0};
   double pixel_ = 0.0;  // of the level image, in tangents
+  PixelGrowth growth_;
   float noise_ = 0.0F;  // variance of an observation at the image's centre, tangents squared
   DepthPrior depth_prior_;
   Particles particles_;

@@ -167,7 +167,7 @@ void Mapper::start_landmarks(const Features& features) {
     }
     start_landmark(map_->rows(slot), particles_.count, f.zx, f.zy, f.noise, rho_mean, rho_sigma);
     map_->info(slot).start_rho_variance = rho_sigma * rho_sigma;
-    map_->by_calibration(slot) = starting_sensitivity({f.zx, f.zy});
+    map_->by_calibration(slot) = starting_sensitivity({f.zx, f.zy}, growth_);
     if (!refresh_place(slot)) continue;
     LandmarkInfo& l = map_->info(slot);
     l.observations = 1;

@@ -10,8 +10,9 @@ namespace {
 using P = Parameters;
 
 constexpr auto kTable = std::to_array<ParameterInfo>({
-    {"rectified_fov_deg", "deg", 60, 150, "field of view of the rectified image, side to side",
-     &P::rectified_fov_deg},
+    {"rectified_fov_deg", "deg", 10, 150,
+     "field of view of the rectified image, side to side; auto: all that the lens shows, up to 112",
+     &P::rectified_fov_deg, true},
     {"corner_min_eigenvalue", "grey2/px2", 0, 1000,
      "weaker corners are taken for noise; lower it for dim or plain ceilings",
      &P::corner_min_eigenvalue},
@@ -107,7 +108,7 @@ Parameters within_limits(const Parameters& given, int* limited) {
     std::visit(
         [&](auto field) {
           const auto value = static_cast<double>(given.*field);
-          if (value >= info.min && value <= info.max) return;
+          if (info.allows(value)) return;
           using Number = std::remove_reference_t<decltype(out.*field)>;
           out.*field = std::isnan(value)
                            ? Parameters{}.*field

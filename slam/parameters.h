@@ -8,9 +8,12 @@
 
 namespace zenith {
 
+// A field of view that is fitted to the robot's lens (slam/image/view.h).
+inline constexpr double kFittedView = 0.0;
+
 struct Parameters {
   // image
-  double rectified_fov_deg = 112.0;
+  double rectified_fov_deg = kFittedView;
   double corner_min_eigenvalue = 5.0;
   double corner_min_distance_px = 6.0;
   int corners_max = 128;
@@ -64,6 +67,12 @@ struct ParameterInfo {
   double max = 0.0;
   std::string_view text;
   std::variant<double Parameters::*, int Parameters::*> field;
+  bool may_be_auto =
+      false;  // "auto" in files and on command lines, 0 here, stands beside the range
+
+  bool allows(double value) const {
+    return (value >= min && value <= max) || (may_be_auto && value == 0.0);
+  }
 };
 
 std::span<const ParameterInfo> parameter_table();

@@ -6,6 +6,7 @@
 #include "platform/base/ensure.h"
 #include "slam/fleet/fusion.h"
 #include "slam/fleet/publish.h"
+#include "slam/image/view.h"
 #include "slam/slam_state.h"
 
 namespace zenith {
@@ -24,7 +25,7 @@ MemoryTable Slam::memory_table(const Parameters& given) {
 Slam::Slam(const RobotConfig& robot, const Parameters& given, std::uint64_t seed,
            std::span<std::byte> memory) {
   int limited = 0;
-  const Parameters parameters = within_limits(given, &limited);
+  const Parameters parameters = with_fitted_view(within_limits(given, &limited), robot);
   ensure(memory.size() >= memory_needed(parameters), "Slam: memory_needed() bytes are needed");
   Arena arena(memory);
   state_ = new (arena.take<std::byte>(sizeof(State)).data()) State;

@@ -96,8 +96,11 @@ int run_replay(ReplayCommand& command) {
   if (const Status placed = output->commit(); !placed) return fail(placed.error());
   warn(result->warnings);
   for (const std::string& note : result->notes) std::printf("%s\n", note.c_str());
-  std::printf("%s%s\nmemory: %.1f MiB for each robot, taken at the start\n%s\n",
+  std::string views;
+  for (const std::string& view : result->views) views += "  " + view + "\n";
+  std::printf("%s%s%s\nmemory: %.1f MiB for each robot, taken at the start\n%s\n",
               figures_text(result->figures).c_str(), verdicts_text(result->figures).c_str(),
+              views.c_str(),
               static_cast<double>(result->memory_bytes) / (1024.0 * 1024.0), command.out.c_str());
   return is_wrong(result->figures) ? kWrongSetup : 0;
 }

@@ -52,9 +52,12 @@ std::string apply_one(Parameters& parameters, const std::string& assignment) {
   const std::string text = assignment.substr(equals + 1);
   const ParameterInfo* info = find_parameter(key);
   if (info == nullptr) return unknown_key(key);
-  const std::optional<double> value = parse_number(text);
-  if (!value) return key + ": '" + text + "' is no number";
-  if (*value < info->min || *value > info->max) {
+  const bool automatic = info->may_be_auto && text == "auto";
+  const std::optional<double> value = automatic ? 0.0 : parse_number(text);
+  if (!value) {
+    return key + ": '" + text + "' is no number" + (info->may_be_auto ? ", nor auto" : "");
+  }
+  if (!automatic && (*value < info->min || *value > info->max)) {
     return key + ": " + text + " is outside " + number(info->min) + " .. " + number(info->max) +
            (info->unit.empty() ? "" : " " + std::string(info->unit));
   }
@@ -92,7 +95,8 @@ std::string describe_parameters() {
             : static_cast<double>(defaults.*(*std::get_if<int Parameters::*>(&info.field)));
     char line[256];
     std::snprintf(line, sizeof line, "  %-28s %-8s [%s .. %s] %s\n", std::string(info.key).c_str(),
-                  number(value).c_str(), number(info.min).c_str(), number(info.max).c_str(),
+                  info.may_be_auto && value == 0.0 ? "auto" : number(value).c_str(),
+                  number(info.min).c_str(), number(info.max).c_str(),
                   std::string(info.unit).c_str());
     text += line;
     text += "      " + std::string(info.text) + "\n";

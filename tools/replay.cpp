@@ -1,9 +1,14 @@
 #include "tools/replay.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <memory>
+#include <numbers>
 #include <set>
 
+#include "platform/config/lens_settings.h"
+#include "platform/config/robot_settings.h"
 #include "tools/clocks/shifted_source.h"
 #include "tools/clocks/wheel_offset.h"
 #include "tools/report/confidence_picture.h"
@@ -96,6 +101,27 @@ Result<Alignment> align_clocks(const std::vector<std::unique_ptr<Recording>>& re
   return Error{message};
 }
 
+// What robots exchange are patches of the rectified image: views of other angles have them at
+// another scale. Empty when they are much the same.
+std::string different_scales(const std::vector<View>& views) {
+  constexpr double kSame = 1.15;
+  double least = 1e9;
+  double most = 0.0;
+  for (const View& view : views) {
+    least = std::min(least, view.fov_deg);
+    most = std::max(most, view.fov_deg);
+  }
+  const auto half = [](double deg) { return std::tan(deg * std::numbers::pi / 360.0); };
+  if (half(most) < kSame * half(least)) return {};
+  char text[200];
+  std::snprintf(text, sizeof text,
+                "the robots' views are %.4g to %.4g degrees wide, and their landmarks look "
+                "different at different scales: to let them merge, give all the same, --set "
+                "rectified_fov_deg=%.4g",
+                least, most, least);
+  return text;
+}
+
 }  // namespace
 
 Result<ReplayResult> replay(const ReplayPlan& plan, const std::filesystem::path& folder,
@@ -132,10 +158,19 @@ Result<ReplayResult> replay(const ReplayPlan& plan, const std::filesystem::path&
   result.warnings = alignment->warnings;
   run.alignment = *alignment;
   for (const Recording* recording : recordings) {
+    const RobotConfig& robot = recording->config();
+    result.views.push_back("view of " + recording->name() + ": " +
+                           view_text(plan.parameters, robot));
+    if (const std::string about_lens = lens_note(robot.lens); !about_lens.empty()) {
+      result.warnings.push_back(recording->name() + ": " + about_lens);
+    }
+    run.views.push_back(view_of(plan.parameters, robot));
     const auto warnings = recording->warnings();
     result.warnings.insert(result.warnings.end(), warnings.begin(), warnings.end());
     run.warnings.push_back(warnings);
   }
+  const std::string scales = different_scales(run.views);
+  if (run.views.size() > 1 && !scales.empty()) result.warnings.push_back(scales);
   Status written = write_files(folder, *log, result.figures, run);
   if (written) written = draw_map(folder / "map.png", *log, result.figures);
   if (written && log->robots.size() > 1) {

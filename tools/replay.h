@@ -30,7 +30,8 @@ struct ReplayResult {
   TeamFigures figures;
   std::vector<std::string> notes;  // how the clocks of the recordings were aligned
   std::vector<std::string> warnings;
-  std::size_t memory_bytes = 0;  // of each robot
+  std::vector<std::string> views;  // a line for each robot: what its rectified image shows
+  std::size_t memory_bytes = 0;    // of each robot
 };
 
 // Into `folder`, which the caller keeps atomic.

@@ -1,8 +1,10 @@
 #include "platform/config/robot_settings.h"
 
+#include <cstdio>
 #include <type_traits>
 
 #include "platform/base/printable.h"
+#include "slam/image/view.h"
 
 namespace zenith {
 namespace {
@@ -63,6 +65,16 @@ bool is_interface_name(const std::string& name) {
          name.find_first_of("/: ") == std::string::npos && is_printable(name);
 }
 
+std::string view_text(const Parameters& parameters, const RobotConfig& robot) {
+  const View view = view_of(parameters, robot);
+  char text[160];
+  std::snprintf(
+      text, sizeof text, "%.4g degrees from side to side%s; %.0f %% of it lie in the lens's image",
+      view.fov_deg, parameters.rectified_fov_deg == kFittedView ? ", fitted to the lens" : "",
+      100.0 * view.inside_share);
+  return text;
+}
+
 Settings slam_settings(Parameters& parameters) {
   Settings settings;
   for (const ParameterInfo& info : parameter_table()) {
@@ -73,6 +85,9 @@ Settings slam_settings(Parameters& parameters) {
     setting.max = info.max;
     setting.text = std::string(info.text);
     std::visit([&](auto field) { setting.at = &(parameters.*field); }, info.field);
+    if (auto* const* number = std::get_if<double*>(&setting.at); number && info.may_be_auto) {
+      setting.at = AutoNumber{*number};
+    }
     settings.push_back(std::move(setting));
   }
   return settings;

@@ -21,6 +21,9 @@ Setting odometry_setting(const WheelCodecField& field, WheelCodecConfig& config)
 // Whether `name` can be that of a CAN interface.
 bool is_interface_name(const std::string& name);
 
+// "112 degrees from side to side, fitted to the lens; 100 % of it lie in the lens's image".
+std::string view_text(const Parameters& parameters, const RobotConfig& robot);
+
 // "slam." and the key, for each of parameter_table().
 Settings slam_settings(Parameters& parameters);
 

@@ -53,6 +53,16 @@ struct Assign {
     return {};
   }
 
+  std::string operator()(const AutoNumber& number) const {
+    const auto word = node.value_exact<std::string>();
+    if (word && *word == "auto") {
+      *number.at = 0.0;
+      return {};
+    }
+    const std::string problem = (*this)(number.at);
+    return problem.empty() ? problem : problem + ", nor \"auto\"";
+  }
+
   std::string operator()(std::span<double> at) const {
     const toml::array* list = node.as_array();
     if (list == nullptr) return " is no list of numbers";
@@ -92,6 +102,8 @@ std::optional<double> number_of(const Setting& setting) {
         if constexpr (std::is_same_v<T, Choice> || std::is_same_v<T, bool*> ||
                       std::is_same_v<T, std::string*> || std::is_same_v<T, std::span<double>>) {
           return std::nullopt;
+        } else if constexpr (std::is_same_v<T, AutoNumber>) {
+          return *at.at;
         } else {
           return static_cast<double>(*at);
         }
@@ -158,6 +170,8 @@ void read_one(const toml::table& file, const Setting& setting, KeyLines& lines,
   lines.add(setting.key, line);
   const std::string problem = std::visit(Assign{*found.node()}, setting.at);
   if (!problem.empty()) return problems.add(line, setting.key + problem);
+  // "auto" stands beside the range.
+  if (std::holds_alternative<AutoNumber>(setting.at) && found.is_string()) return;
   const std::optional<double> number = number_of(setting);
   if (number) problems.check_range(line, setting.key, *number, setting.min, setting.max);
 }
@@ -166,6 +180,9 @@ struct Write {
   std::string operator()(const double* at) const {
     char text[40];
     return std::string(text, std::to_chars(text, text + sizeof text, *at).ptr);
+  }
+  std::string operator()(const AutoNumber& number) const {
+    return *number.at == 0.0 ? "\"auto\"" : (*this)(static_cast<const double*>(number.at));
   }
   std::string operator()(std::span<double> at) const {
     while (!at.empty() && at.back() == 0.0) at = at.first(at.size() - 1);
@@ -233,7 +250,9 @@ std::string range_text(const Setting& setting) {
   }
   if (setting.max <= setting.min || !number_of(setting)) return {};
   char text[64];
-  std::snprintf(text, sizeof text, "%.10g .. %.10g", setting.min, setting.max);
+  std::snprintf(text, sizeof text, "%s%.10g .. %.10g",
+                std::holds_alternative<AutoNumber>(setting.at) ? "auto, " : "", setting.min,
+                setting.max);
   return text;
 }
 

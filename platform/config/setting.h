@@ -29,6 +29,11 @@ struct Choice {
   std::function<void(std::size_t)> set;
 };
 
+// A number, or "auto", which is 0 here and stands beside the range.
+struct AutoNumber {
+  double* at = nullptr;
+};
+
 struct Setting {
   std::string key;  // with its sections: "camera.rate_hz"
   std::string unit;
@@ -37,7 +42,7 @@ struct Setting {
   std::string text;
   // A span: a list of at most so many numbers, behind which there are zeros.
   std::variant<double*, int*, std::uint32_t*, std::uint64_t*, bool*, std::string*,
-               std::span<double>, Choice>
+               std::span<double>, AutoNumber, Choice>
       at;
   bool required = false;  // has no default
   bool live = false;      // may change while the program runs

@@ -7,6 +7,8 @@
 #include <string>
 #include <string_view>
 
+#include "platform/config/lens_settings.h"
+#include "platform/config/robot_settings.h"
 #include "platform/daemon/config_text.h"
 #include "platform/daemon/daemon.h"
 #include "platform/daemon/map_keeper.h"
@@ -165,6 +167,10 @@ int check(const DaemonConfig& config, MakeDevices make_devices) {
   std::printf("devices:   %s\n", devices->description.c_str());
   std::printf("frames:    %d x %d, %g a second\n", lens.width_px, lens.height_px,
               devices->robot.frame_rate_hz);
+  if (const std::string note = lens_note(lens); !note.empty()) {
+    std::printf("lens:      %s\n", note.c_str());
+  }
+  std::printf("view:      %s\n", view_text(config.slam, devices->robot).c_str());
   std::printf("map:       %d particles\n", config.slam.particles);
   std::printf("kernels:   %s\n", std::string(isa_name(isa_in_use())).c_str());
   print_limits(config.realtime);

@@ -8,6 +8,7 @@
 #include "platform/daemon/memory_report.h"
 #include "platform/linux/clock.h"
 #include "platform/linux/log.h"
+#include "slam/image/view.h"
 
 namespace zenith {
 namespace {
@@ -49,13 +50,14 @@ std::unique_ptr<RadioLink> make_radio_link(const DaemonConfig& config, Exchange&
   return std::make_unique<RadioLink>(config.radio, sessions, map, exchange);
 }
 
-std::unique_ptr<MapKeeper> make_map_keeper(const DaemonConfig& config, storage::Folder* maps) {
+std::unique_ptr<MapKeeper> make_map_keeper(const DaemonConfig& config, const RobotConfig& robot,
+                                           storage::Folder* maps) {
   if (maps == nullptr) return nullptr;
   storage::MapHead head;
   head.map = secret_number();
   head.robot.assign(config.name);
   head.camera_height_m = config.mount.z_m;
-  head.rectified_fov_deg = config.slam.rectified_fov_deg;
+  head.rectified_fov_deg = with_fitted_view(config.slam, robot).rectified_fov_deg;
   return std::make_unique<MapKeeper>(*maps, head, Duration::from_seconds(config.map.interval_s));
 }
 
@@ -71,7 +73,7 @@ RunningDaemon::RunningDaemon(const DaemonConfig& config, const std::filesystem::
       perception_(std::make_unique<Perception>(devices, config.slam, config.seed,
                                                live_settings(config), *exchange_, tap_.tap.get())),
       link_(make_radio_link(config, *exchange_)),
-      map_keeper_(make_map_keeper(config, maps)),
+      map_keeper_(make_map_keeper(config, devices.robot, maps)),
       cooperation_(std::make_unique<Cooperation>(*exchange_, link_.get(), map_keeper_.get())),
       device_keeper_(*devices.camera, perception_->camera_turn(), *devices.can,
                      perception_->can_turn()),

@@ -24,22 +24,23 @@ Eigen::Vector2d perpendicular(const Eigen::Vector2d& v) {
 
 }  // namespace
 
-SightSensitivity calibration_effect(const Eigen::Vector2d& z) {
+SightSensitivity calibration_effect(const Eigen::Vector2d& z, const PixelGrowth& growth) {
   const double r = z.norm();
   const bool centre = r < 1e-6;
-  const double across = centre ? 1.0 : r / std::atan(r);
+  const double along = growth.along(r);
+  const double across = growth.across(r);
   const Eigen::Vector2d e = centre ? Eigen::Vector2d(1.0, 0.0) : Eigen::Vector2d(z / r);
   const Eigen::Matrix2d radial = e * e.transpose();
   SightSensitivity C;
   C.leftCols<2>() = Eigen::Matrix2d::Identity() + z * z.transpose();
-  C.col(2) = (1.0 + r * r) / across * z;
-  C.rightCols<2>() = (1.0 + r * r) * radial + across * (Eigen::Matrix2d::Identity() - radial);
+  C.col(2) = along / across * z;
+  C.rightCols<2>() = along * radial + across * (Eigen::Matrix2d::Identity() - radial);
   return C;
 }
 
-LandmarkSensitivity starting_sensitivity(const Eigen::Vector2d& z) {
+LandmarkSensitivity starting_sensitivity(const Eigen::Vector2d& z, const PixelGrowth& growth) {
   LandmarkSensitivity B = LandmarkSensitivity::Zero();
-  B.topRows<2>() = -calibration_effect(z);
+  B.topRows<2>() = -calibration_effect(z, growth);
   return B;
 }
 
@@ -70,8 +71,8 @@ ObservationModel linearise(const LandmarkRows& l, const CameraRows& camera, int 
 
 SightSensitivity residual_sensitivity(const ObservationModel& model, const Eigen::Vector2d& z,
                                       const LandmarkSensitivity& B, const PoseSensitivity& A_pose,
-                                      const PoseSensitivity& A_anchor) {
-  return -calibration_effect(z) - model.by_landmark * B - model.by_pose * A_pose -
+                                      const PoseSensitivity& A_anchor, const PixelGrowth& growth) {
+  return -calibration_effect(z, growth) - model.by_landmark * B - model.by_pose * A_pose -
          model.by_anchor * A_anchor;
 }
 

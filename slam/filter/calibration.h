@@ -11,8 +11,9 @@
 //   z_true = z_seen + C(z) beta
 //   C(z) = [ I + z z^T | (1 + r^2) atan(r)/r z | (1 + r^2) e e^T + r/atan(r) (I - e e^T) ]
 //
-// tilt in radians, focal length relative, principal point in focal lengths; the lens is taken as
-// equidistant here, which is near enough for a derivative. Tilt and principal point differ only
+// of an equidistant lens (1 + r^2 and r/atan(r) are the growth of its pixels; other lenses have
+// another, slam/image/pixel_growth.h); tilt in radians, focal length relative, principal point in
+// focal lengths. Tilt and principal point differ only
 // across the radius, towards the rim. Method: the two-stage Kalman filter (Friedland, "Treatment of
 // bias in recursive filtering", IEEE Trans. AC 14, 1969). The SLAM filter runs as if the
 // calibration were right, and beside it runs how its errors depend on what the calibration has
@@ -29,6 +30,7 @@
 #include <Eigen/Core>
 
 #include "slam/filter/landmark.h"
+#include "slam/image/pixel_growth.h"
 
 namespace zenith {
 
@@ -40,10 +42,10 @@ using LandmarkSensitivity = Eigen::Matrix<double, 3, kCalibrationSize>;  // of (
 using SightSensitivity = Eigen::Matrix<double, 2, kCalibrationSize>;     // of z or m
 
 // C(z).
-SightSensitivity calibration_effect(const Eigen::Vector2d& z);
+SightSensitivity calibration_effect(const Eigen::Vector2d& z, const PixelGrowth& growth = {});
 
 // B of a landmark that starts at z.
-LandmarkSensitivity starting_sensitivity(const Eigen::Vector2d& z);
+LandmarkSensitivity starting_sensitivity(const Eigen::Vector2d& z, const PixelGrowth& growth = {});
 
 // One landmark's observation, linearised at one particle.
 struct ObservationModel {
@@ -57,7 +59,8 @@ ObservationModel linearise(const LandmarkRows& landmark, const CameraRows& camer
 
 SightSensitivity residual_sensitivity(const ObservationModel& model, const Eigen::Vector2d& z,
                                       const LandmarkSensitivity& B, const PoseSensitivity& A_pose,
-                                      const PoseSensitivity& A_anchor);
+                                      const PoseSensitivity& A_anchor,
+                                      const PixelGrowth& growth = {});
 
 // How wrong the calibration may be: standard deviations. One of 0 is taken as right.
 struct CalibrationPrior {

@@ -9,18 +9,20 @@
 //   e = (X, Y) / |(X, Y)|, theta = atan2(|(X, Y)|, Z)
 //   m = rho(theta) e + decentring,   u = fu m_x + cu,   v = fv m_y + cv
 //
-// | model         | numbers                      | rho(theta) in | source of the formula |
-// |---------------|------------------------------|---------------|---------------------------------|
-// | equidistant   | k1 k2 k3 k4                  | equidistant.h | Kannala, Brandt, PAMI 2006; | |
-// |                              |               | OpenCV "fisheye", Kalibr "equi" | | radtan | k1
-// k2 p1 p2 k3               | radtan.h      | Brown 1966; OpenCV, ROS         | |               |
-// |               | "plumb_bob"; zeros: a pinhole   | | rational      | k1 k2 p1 p2 k3 k4 k5 k6 |
-// radtan.h      | OpenCV "rational polynomial"    | | fov           | w | fov.h         | Devernay,
-// Faugeras, MVA 2001    | | double_sphere | xi alpha                     | double_sphere.h | Usenko
-// et al., 3DV 2018       | | eucm          | alpha beta                   | eucm.h        |
-// Khomutenko et al., RA-L 2016    | | omni          | xi k1 k2 p1 p2               | omni.h | Mei,
-// Rives, ICRA 2007           | | scaramuzza    | c d e, polynomial,           | scaramuzza.h  |
-// Scaramuzza et al., ICVS 2006;   | |               | inverse_polynomial           | | OCamCalib |
+// | model         | numbers                  | rho in          | source of the formula            |
+// |---------------|--------------------------|-----------------|----------------------------------|
+// | equidistant   | k1 k2 k3 k4              | equidistant.h   | Kannala, Brandt, PAMI 2006       |
+// | radtan        | k1 k2 p1 p2 k3           | radtan.h        | Brown 1966; OpenCV; all zero:    |
+// |               |                          |                 | a pinhole                        |
+// | rational      | k1 k2 p1 p2 k3 k4 k5 k6  | radtan.h        | OpenCV                           |
+// | fov           | w                        | fov.h           | Devernay, Faugeras, MVA 2001     |
+// | double_sphere | xi alpha                 | double_sphere.h | Usenko et al., 3DV 2018          |
+// | eucm          | alpha beta               | eucm.h          | Khomutenko et al., RA-L 2016     |
+// | omni          | xi k1 k2 p1 p2           | omni.h          | Mei, Rives, ICRA 2007            |
+// | scaramuzza    | c d e, polynomial,       | scaramuzza.h    | Scaramuzza et al., ICVS 2006;    |
+// |               | inverse_polynomial       |                 | OCamCalib                        |
+//
+// docs/calibration.md has the names that other programs give them.
 
 #include <array>
 #include <cstdint>

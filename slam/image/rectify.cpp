@@ -74,8 +74,10 @@ bool Rectifier::sees(int u, int v, int margin_px) const {
   const auto inside = [this](int uu, int vv) {
     return table_[static_cast<std::size_t>(vv * kRectifiedSize + uu)].inside != 0;
   };
-  // What the lens sees is convex here, so the corners of the square tell.
-  return inside(lo_u, lo_v) && inside(hi_u, lo_v) && inside(lo_u, hi_v) && inside(hi_u, hi_v);
+  // What the lens sees is nearly convex here (barrel distortion hollows its edges a little), so the
+  // corners of the square and the middles of its sides tell.
+  return inside(lo_u, lo_v) && inside(hi_u, lo_v) && inside(lo_u, hi_v) && inside(hi_u, hi_v) &&
+         inside(u, lo_v) && inside(u, hi_v) && inside(lo_u, v) && inside(hi_u, v);
 }
 
 }  // namespace zenith

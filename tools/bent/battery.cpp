@@ -5,6 +5,7 @@
 #include <memory>
 #include <thread>
 
+#include "slam/image/view.h"
 #include "tools/bent/bends.h"
 #include "tools/report/table.h"
 #include "tools/runner/simulated_source.h"
@@ -32,6 +33,7 @@ void run_bend(const BatteryPlan& plan, const Tape& drive, const Bend& bend, Batt
 
 Result<Tape> read_drive(const BatteryPlan& plan, const std::string& world) {
   Parameters wide = plan.parameters;
+  if (wide.rectified_fov_deg == kFittedView) wide.rectified_fov_deg = kWidestFitted_deg;
   wide.rectified_fov_deg = std::min(wide.rectified_fov_deg + kMargin_deg, kWidest_deg);
   auto team = simulate_team(world, plan.seed, plan.duration_s, wide);
   if (!team.ok()) return team.error();

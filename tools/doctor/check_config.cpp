@@ -2,7 +2,44 @@
 
 #include <sstream>
 
+#include "platform/config/lens_settings.h"
+#include "platform/config/robot_settings.h"
+#include "slam/image/view.h"
+
 namespace zenith::tools {
+namespace {
+
+// Less of the rectified image than this, and there are few corners to map by.
+constexpr double kLeastShare = 0.4;
+constexpr double kLeastView_deg = 60.0;
+
+// What of the ceiling the robot maps by.
+void check_view(const DaemonConfig& config, Findings& findings) {
+  // Played cameras bring their own lens.
+  if (config.camera_driver == CameraDriver::kSimulated ||
+      config.camera_driver == CameraDriver::kReplay) {
+    return;
+  }
+  const RobotConfig robot = config.robot();
+  if (const std::string note = lens_note(robot.lens); !note.empty()) {
+    findings.push_back(
+        warn("lens", note, "calibrate with views nearer to the rim", "zenith calibrate lens"));
+  }
+  const View view = view_of(config.slam, robot);
+  const std::string text = view_text(config.slam, robot);
+  if (view.inside_share < kLeastShare) {
+    findings.push_back(warn("view", text,
+                            "check lens and mount: the camera leans, or the field is too wide for "
+                            "the lens; slam.rectified_fov_deg = \"auto\" fits it"));
+  } else if (view.fov_deg < kLeastView_deg) {
+    findings.push_back(
+        warn("view", text, "a wider lens sees more of the ceiling, and the map needs it"));
+  } else {
+    findings.push_back(ok("view", text));
+  }
+}
+
+}  // namespace
 
 Findings check_config(const std::filesystem::path& file, std::optional<DaemonConfig>& config,
                       const std::filesystem::path& usual) {
@@ -18,7 +55,9 @@ Findings check_config(const std::filesystem::path& file, std::optional<DaemonCon
   auto read = read_daemon_config(path);
   if (read) {
     config = std::move(*read);
-    return {ok(what, path.string() + ", robot " + config->name)};
+    Findings findings = {ok(what, path.string() + ", robot " + config->name)};
+    check_view(*config, findings);
+    return findings;
   }
   Findings findings;
   std::istringstream lines(read.error().message);

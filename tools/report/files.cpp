@@ -131,7 +131,9 @@ nlohmann::json counters_json(const StepCounters& c) {
 nlohmann::json parameters_json(const Parameters& parameters) {
   nlohmann::json json;
   for (const ParameterInfo& info : parameter_table()) {
-    std::visit([&](auto field) { json[std::string(info.key)] = parameters.*field; }, info.field);
+    nlohmann::json& value = json[std::string(info.key)];
+    std::visit([&](auto field) { value = parameters.*field; }, info.field);
+    if (info.may_be_auto && value == 0.0) value = "auto";
   }
   return json;
 }
@@ -183,6 +185,10 @@ std::string summary_text_of(const TeamLog& log, const TeamFigures& figures,
     robot["counters"] = counters_json(log.robots[i].counters);
     robot["corner_sigma_px"] = log.robots[i].corner_sigma_px;
     robot["setup"] = setup_json(log.robots[i].setup);
+    if (i < run.views.size()) {
+      robot["view"] = {{"fov_deg", run.views[i].fov_deg},
+                       {"inside_share", run.views[i].inside_share}};
+    }
     if (i < run.warnings.size()) robot["warnings"] = run.warnings[i];
     if (i < run.alignment.shifts.size()) robot["clock"] = shift_json(run.alignment.shifts[i]);
     int merges = 0;

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "platform/base/result.h"
+#include "slam/image/view.h"
 #include "slam/parameters.h"
 #include "tools/clocks/alignment.h"
 #include "tools/report/figures.h"
@@ -25,6 +26,7 @@ struct RunDescription {
   Parameters parameters;
   std::vector<std::vector<std::string>> warnings;  // by robot
   Alignment alignment;                             // of their clocks; empty: stamps as recorded
+  std::vector<View> views;                         // by robot
 };
 
 // Into `folder`, which exists.

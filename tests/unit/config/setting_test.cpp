@@ -115,6 +115,25 @@ TEST_F(SettingTest, AListHoldsAsManyNumbersAsItHasRoomFor) {
   EXPECT_EQ(toml_value(settings[0]), "[]");
 }
 
+TEST_F(SettingTest, AFieldOfViewIsANumberOrAuto) {
+  Parameters parameters;
+  const Settings settings = slam_settings(parameters);
+  const auto parse = [&](const char* text) {
+    Problems problems(file_);
+    parse_settings(text, settings, problems);
+    return problems.any() ? problems.error().message : "";
+  };
+  EXPECT_EQ(toml_value(settings[0]), "\"auto\"");
+  EXPECT_EQ(parse("[slam]\nrectified_fov_deg = 95\n"), "");
+  EXPECT_EQ(parameters.rectified_fov_deg, 95.0);
+  EXPECT_EQ(toml_value(settings[0]), "95");
+  EXPECT_EQ(parse("[slam]\nrectified_fov_deg = \"auto\"\n"), "");
+  EXPECT_EQ(parameters.rectified_fov_deg, kFittedView);
+  EXPECT_THAT(parse("[slam]\nrectified_fov_deg = 0\n"), HasSubstr("is 0, expected 10 .. 150"));
+  EXPECT_THAT(parse("[slam]\nrectified_fov_deg = \"wide\"\n"),
+              HasSubstr("rectified_fov_deg is no number, nor \"auto\""));
+}
+
 TEST_F(SettingTest, MissingIsToldOnlyOfWhatIsRequired) {
   Settings settings = settings_of(values_);
   settings[1].required = true;

@@ -34,6 +34,17 @@ TEST(Overrides, TellEverythingThatIsWrongAtOnce) {
   EXPECT_THAT(message, HasSubstr("unknown parameter 'zzzzzzzzzzzz'"));
 }
 
+TEST(Overrides, TheViewMayBeFittedToTheLens) {
+  Parameters given;
+  given.rectified_fov_deg = 90.0;
+  const auto fitted = apply_overrides(given, {"rectified_fov_deg=auto"});
+  ASSERT_TRUE(fitted.ok()) << fitted.error().message;
+  EXPECT_EQ(fitted->rectified_fov_deg, kFittedView);
+  EXPECT_FALSE(apply_overrides({}, {"rectified_fov_deg=0"}).ok());
+  EXPECT_FALSE(apply_overrides({}, {"rectified_fov_deg=151"}).ok());
+  EXPECT_FALSE(apply_overrides({}, {"gate_sigma=auto"}).ok());
+}
+
 TEST(Overrides, EveryParameterOfTheTableCanBeSetToItsEnds) {
   for (const ParameterInfo& info : parameter_table()) {
     for (const double value : {info.min, info.max}) {
