@@ -77,6 +77,7 @@ bool is_same(const toml::node_view<const toml::node>& a,
              const toml::node_view<const toml::node>& b) {
   if (a.is_array() && b.is_array()) return *a.as_array() == *b.as_array();
   if (a.is_string() && b.is_string()) return *a.as_string() == *b.as_string();
+  if (a.is_boolean() && b.is_boolean()) return *a.as_boolean() == *b.as_boolean();
   return a.value<double>().has_value() && a.value<double>() == b.value<double>();
 }
 

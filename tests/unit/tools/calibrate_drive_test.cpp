@@ -190,7 +190,8 @@ TEST(CalibrateDriveFiles, LinesThatMendASetUpGoIntoTheConfiguration) {
   const auto rec = folder.path() / "rec";
   write_small_recording(rec);
   result.robot = small_robot();
-  ASSERT_TRUE(write_robot(rec, result).ok());
+  const Status written = write_robot(rec, result);
+  ASSERT_TRUE(written.ok()) << written.error().message;
   const auto file = read_robot_file(layout::robot(rec));
   ASSERT_TRUE(file.ok()) << file.error().message;
   EXPECT_TRUE(file->odometry.swap_wheels && file->odometry.invert_right);

@@ -212,8 +212,8 @@ TEST_F(RecordTest, ADbcBaseBringsItsFile) {
   source.hello_.odometry.dbc.left_signal = "WHEEL_L";
   source.hello_.odometry.dbc.right_signal = "WHEEL_R";
   source.hello_.dbc =
-      "BO_ 785 WHEELS: 8 B\n SG_ WHEEL_L : 0|32@1- (0.001,0) [0|0] \"m\" X\n"
-      " SG_ WHEEL_R : 32|32@1- (0.001,0) [0|0] \"m\" X\n";
+      "BO_ 785 WHEELS: 8 B\n SG_ WHEEL_L : 7|32@0- (0.001,0) [0|0] \"m\" X\n"
+      " SG_ WHEEL_R : 39|32@0- (0.001,0) [0|0] \"m\" X\n";
   ASSERT_TRUE(run(source).ok());
   EXPECT_EQ(read_text(plan_.out / "base.dbc"), source.hello_.dbc);
   const auto recording = Recording::open(plan_.out, {});
