@@ -183,6 +183,7 @@ TEST_F(RecordingSourceTest, VelocitiesStandAsZeroAndHaveOneSpeed) {
 TEST_F(RecordingSourceTest, TravelWithoutACanLogComesAsFrames) {
   fs::remove(folder_ / "can0.log");
   std::ofstream csv(folder_ / "odometry.csv");
+  csv.precision(9);
   for (int i = 0; i <= 60; ++i) {
     csv << 1.0 + 0.02 * i << "," << 5.0 - 0.0100001 * i << "," << 0.0110002 * i << "\n";
   }
