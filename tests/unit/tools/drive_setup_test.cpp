@@ -32,7 +32,8 @@ struct World {
 
 Tape drive_in(const World& world) {
   Parameters wide;
-  wide.rectified_fov_deg = kWidestFitted_deg + 14.0;  // a mount that is told wrongly looks elsewhere
+  wide.rectified_fov_deg =
+      kWidestFitted_deg + 14.0;  // a mount that is told wrongly looks elsewhere
   auto team = simulate_team(world.name, world.seed, world.duration_s, wide);
   EXPECT_TRUE(team.ok()) << team.error().message;
   auto tape = read_tape(*team->sources[0]);
