@@ -48,7 +48,7 @@ class ClockLog {
   // What is to be added to a stamp to make it wall time. It never falls from stamp to stamp.
   Duration offset(Time stamp) const;
   bool synchronised() const;
-  // By which the wall clock was set while it recorded, first to last; 0 when nobody did.
+  // By which the wall clock was set while it recorded, first to last; 0 when it was not set.
   Duration stepped() const;
   Duration slept() const;  // while it recorded
 

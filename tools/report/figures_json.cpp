@@ -29,6 +29,26 @@ nlohmann::json verdict_json(const SetupVerdict& verdict) {
   return {{"state", verdict_name(verdict.state)}, {"reasons", reasons}};
 }
 
+// Figures of the comparison of camera and wheels; null where there was not enough to compare.
+nlohmann::json setup_json(const SetupMeasures& m) {
+  if (!m.judged) return {};
+  return {{"intervals", m.intervals},
+          {"turn_scale", m.turn_scale},
+          {"wheel_balance", m.wheel_balance},
+          {"yaw_error_deg", m.yaw_error_rad * kDegrees},
+          {"height_m", m.height_m},
+          {"wheels_late_ms", 1e3 * m.delay_s},
+          {"stamps_jitter_ms", 1e3 * m.jitter_s},
+          {"metre_checked_to", m.metre_checked_to},
+          {"focal_error", m.lens.focal},
+          {"focal_error_sigma", m.lens.focal_sigma},
+          {"axis_ahead_deg", std::atan(m.lens.ahead) * kDegrees},
+          {"axis_ahead_sigma_deg", std::atan(m.lens.ahead_sigma) * kDegrees},
+          {"corners_standing", m.standing},
+          {"turns_unexplained", m.unexplained},
+          {"vertical_off_deg", std::atan(m.vertical.norm()) * kDegrees}};
+}
+
 nlohmann::json robot_json(const RobotFigures& robot) {
   nlohmann::json json = {
       {"name", robot.name},
@@ -82,25 +102,6 @@ nlohmann::json pair_json(const TeamFigures& figures, const PairFigures& pair) {
 }
 
 }  // namespace
-
-nlohmann::json setup_json(const SetupMeasures& m) {
-  if (!m.judged) return {};
-  return {{"intervals", m.intervals},
-          {"turn_scale", m.turn_scale},
-          {"wheel_balance", m.wheel_balance},
-          {"yaw_error_deg", m.yaw_error_rad * kDegrees},
-          {"height_m", m.height_m},
-          {"wheels_late_ms", 1e3 * m.delay_s},
-          {"stamps_jitter_ms", 1e3 * m.jitter_s},
-          {"metre_checked_to", m.metre_checked_to},
-          {"focal_error", m.lens.focal},
-          {"focal_error_sigma", m.lens.focal_sigma},
-          {"axis_ahead_deg", std::atan(m.lens.ahead) * kDegrees},
-          {"axis_ahead_sigma_deg", std::atan(m.lens.ahead_sigma) * kDegrees},
-          {"corners_standing", m.standing},
-          {"turns_unexplained", m.unexplained},
-          {"vertical_off_deg", std::atan(m.vertical.norm()) * kDegrees}};
-}
 
 nlohmann::json figures_json(const TeamFigures& figures) {
   nlohmann::json json = {{"robots", nlohmann::json::array()}, {"pairs", nlohmann::json::array()}};

@@ -24,7 +24,4 @@ std::string summary_text(std::span<const TeamFigures> runs);
 
 nlohmann::json figures_json(const TeamFigures& figures);
 
-// Figures of the comparison of camera and wheels; null where there was not enough to compare.
-nlohmann::json setup_json(const SetupMeasures& measures);
-
 }  // namespace zenith::tools

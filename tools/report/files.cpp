@@ -184,7 +184,6 @@ std::string summary_text_of(const TeamLog& log, const TeamFigures& figures,
     }
     robot["counters"] = counters_json(log.robots[i].counters);
     robot["corner_sigma_px"] = log.robots[i].corner_sigma_px;
-    robot["setup"] = setup_json(log.robots[i].setup);
     if (i < run.views.size()) {
       robot["view"] = {{"fov_deg", run.views[i].fov_deg},
                        {"inside_share", run.views[i].inside_share}};
