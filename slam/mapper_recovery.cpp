@@ -34,6 +34,7 @@ MatchShare Mapper::match_share() const {
   for (const Candidate& c : candidates_[0]) {
     const LandmarkInfo& l = map_->info(c.slot);
     share.agreeing += c.promoted && c.inlier ? 1 : 0;
+    share.recent += c.promoted && !c.old ? 1 : 0;
     if (c.old || !c.well_inside || !is_reliable(l)) continue;
     if (l.observations < kEstablishedObservations) continue;
     ++share.expected;

@@ -18,22 +18,26 @@ constexpr const char* state_name(TrackingState state) {
   return state == TrackingState::kHeld ? "held" : "lost";
 }
 
-// Reliable landmarks that a frame must show, and those of them that were matched; and all landmarks
-// whose matches agree on one pose.
+// Reliable landmarks that a frame must show, and those of them that were matched; all recent ones
+// that may be in it, and those whose matches agree on one pose.
 struct MatchShare {
   int expected = 0;
   int matched = 0;
+  int recent = 0;
   int agreeing = 0;
 };
 
 class Tracking {
  public:
   // A frame that cannot be of where the robot is taken to be: few of its landmarks are found. Where
-  // few are expected nothing can be said. Many that agree do not do so by chance: beside them a map
-  // that is bent, and lies there a second time, is not found.
+  // few are expected nothing can be said. Many that agree do not do so by chance, nor does a fair
+  // part of all that may be seen: beside them a map that is bent, and lies there a second time, is
+  // not found.
   static bool is_weak(const MatchShare& share) {
-    return share.expected >= kLeastExpected && share.agreeing < kEnoughAgreeing &&
-           share.matched < kWeakShare * static_cast<double>(share.expected);
+    if (share.expected < kLeastExpected || share.agreeing >= kEnoughAgreeing) return false;
+    const bool fair = share.agreeing >= kLeastAgreeing &&
+                      share.agreeing >= kFairShare * static_cast<double>(share.recent);
+    return !fair && share.matched < kWeakShare * static_cast<double>(share.expected);
   }
 
   TrackingState state() const { return state_; }
@@ -53,6 +57,8 @@ class Tracking {
   static constexpr int kLeastExpected = 10;
   static constexpr double kWeakShare = 0.35;
   static constexpr int kEnoughAgreeing = 20;
+  static constexpr int kLeastAgreeing = 10;
+  static constexpr double kFairShare = 0.25;
   static constexpr int kLeastFrames = 5;
   static constexpr int kMostFrames = 40;
   static constexpr double kMostTravel_m = 0.6;
