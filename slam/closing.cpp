@@ -335,10 +335,10 @@ void ClosingSearch::add(const ClosingFrame& frame, const Pose2& T_old_recent,
   if (!place.used || score(place) < score(fresh)) place = fresh;
 }
 
-void ClosingSearch::moved(const Pose2& T_old_recent) {
-  const Pose2 back = T_old_recent.inverse();
+void ClosingSearch::moved(const Pose2& old_by, const Pose2& pose_by) {
+  const Pose2 back = pose_by.inverse();
   for (Hypothesis& h : hypotheses_) {
-    if (h.used) h.T_old_recent = h.T_old_recent * back;
+    if (h.used) h.T_old_recent = old_by * h.T_old_recent * back;
   }
 }
 

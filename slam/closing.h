@@ -71,7 +71,9 @@ class ClosingSearch {
   std::span<const Candidate> matches() const { return tested_[0].span(); }
 
   // The pose has been moved by `T_old_recent`.
-  void moved(const Pose2& T_old_recent);
+  void moved(const Pose2& T_old_recent) { moved({}, T_old_recent); }
+  // Old map and pose have been moved, each by its own transform of the start frame.
+  void moved(const Pose2& old_by, const Pose2& pose_by);
 
  private:
   struct Hypothesis {

@@ -218,6 +218,7 @@ void Mapper::move_by_calibration(const CalibrationVector& step) {
     const Pose2 pose = particles_.pose(i);
     particles_.set_pose(i, {pose.x_m + move.x(), pose.y_m + move.y(), pose.theta_rad + move.z()});
   }
+  if (owns_map()) tell_closings(step);
   map_->set_calibration(calibration_.beta());
 }
 

@@ -131,6 +131,8 @@ class Mapper {
                   const Eigen::Matrix3d& prior);
   Eigen::Matrix3d expected_jump(const Eigen::Matrix3d& prior) const;
   bool owns_map() const { return map_ == &own_map_ && way_share_ == 1.0; }
+  void tell_closings(const CalibrationVector& step);
+  void tie_to_old_map(const ClosingFrame& frame, const Eigen::Vector3d& jump);
   bool give_way(const Eigen::Vector3d& jump);
   void use_old_matches();
   void follow_old_map();
@@ -141,6 +143,7 @@ class Mapper {
   void fetch_old_map();
   void refresh_moved(std::span<const std::int32_t> slots);
   Map::Piece recent_piece() const;
+  Map::Piece old_piece() const;
   bool knows_scale() const;
   void believe_slip();
   void begin_anew();

@@ -34,6 +34,8 @@ constexpr double kStep_rad = 0.4 * std::numbers::pi / 180.0;
 constexpr double kPiece_m = 10.0;  // of travel on each side: what is moved together
 constexpr double kClear_m = 5.0;   // a smaller difference of drift travel decides nothing
 constexpr double kEverything_m = 1e9;
+// Of a pose that old landmarks alone fix.
+const Eigen::Vector3d kFree(0.1, 0.1, 3.0 * std::numbers::pi / 180.0);
 constexpr double kViewTravel_m = 3.0;  // about what lies between the robot and what it sees
 
 Pose2 pose_of(const Eigen::Vector3d& xi) {
@@ -42,6 +44,11 @@ Pose2 pose_of(const Eigen::Vector3d& xi) {
 
 Eigen::Vector3d vector_of(const Pose2& pose) {
   return {pose.x_m, pose.y_m, pose.theta_rad};
+}
+
+// A turn about `at`, and a shift.
+Pose2 moved_about(const Eigen::Vector2d& at, const Eigen::Vector3d& by) {
+  return Pose2{at.x() + by.x(), at.y() + by.y(), by.z()} * Pose2{-at.x(), -at.y(), 0.0};
 }
 
 }  // namespace
@@ -72,6 +79,7 @@ bool Mapper::close_loop(const Features& features, const FeatureExtractor& view,
   const Pose2 by_recent = frame.T_start_recent();
   const Eigen::Vector3d jump = vector_of(by_recent.inverse() * (closing_.T_old_recent * by_recent));
   const Eigen::Matrix3d C = closing_.correction.covariance + correction_.covariance;
+  if (calibration_.enabled() && owns_map()) tie_to_old_map(frame, jump);
   const bool visible = jump.dot(C.ldlt().solve(jump)) > kVisible2 &&
                        (jump.head<2>().norm() > kVisible_m || std::abs(jump.z()) > kVisible_rad);
   if (!visible) {
@@ -82,6 +90,55 @@ bool Mapper::close_loop(const Features& features, const FeatureExtractor& view,
     return true;
   }
   return give_way(jump);
+}
+
+// Which piece of the map goes with which is known now, whatever the calibration: pose and recent
+// map depend on it as the old map does, or the other way round. What the jump told of it is learned
+// once, before they are tied.
+void Mapper::tie_to_old_map(const ClosingFrame& frame, const Eigen::Vector3d& jump) {
+  const double shorter_m = drift_travel_m_ - closing_.drift_travel_m;
+  if (std::abs(shorter_m) < kClear_m) return;
+  calibration_.begin_frame(kFree.cwiseAbs2().cwiseInverse().asDiagonal());
+  const int best = heaviest_particle();
+  for (const Candidate& c : closing_search_.matches()) {
+    if (!c.inlier) continue;
+    const Feature& f = frame.features[static_cast<std::size_t>(c.corner)];
+    const Eigen::Vector2d z = seen_at(c, f).cast<double>();
+    const ObservationModel model = linearise(map_->rows(c.slot), particles_.camera, best, lever_m(),
+                                             static_cast<double>(c.noise));
+    const SightSensitivity D =
+        residual_sensitivity(model, z, map_->by_calibration(c.slot), pose_by_calibration_,
+                             map_->anchor_by_calibration(c.slot), growth_);
+    calibration_.add(c.anchor, z - c.m, c.G, D, c.own_trusted().inverse(), c.u);
+  }
+  PoseSensitivity tie = calibration_.pose_gain();
+  if (!tie.allFinite()) return;
+  calibration_.add_closing(jump, tie, frame.drift + closing_.correction.covariance);
+  tie.topRows<2>() = rotation(pose_.mean.theta_rad) * tie.topRows<2>();
+  if (shorter_m > 0.0) {
+    map_->tie_piece(recent_piece(), tie, pose_.mean.position());
+    pose_by_calibration_ += tie;
+  } else {
+    map_->tie_piece(old_piece(), -tie, pose_.mean.position());
+  }
+}
+
+// A step of the calibration moves the pose, and the old landmarks in view otherwise: on average
+// like this rigid body.
+void Mapper::tell_closings(const CalibrationVector& step) {
+  const Eigen::Vector2d at = pose_.mean.position();
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  int count = 0;
+  for (const Candidate& c : candidates_[0]) {
+    if (!is_kind(c, CandidateKind::kPromotedOld)) continue;
+    const Eigen::Vector3d move = -map_->anchor_by_calibration(c.slot) * step;
+    const Eigen::Vector2d off = at - map_->anchor_m(c.slot);
+    sum += Eigen::Vector3d(move.x() - move.z() * off.y(), move.y() + move.z() * off.x(), move.z());
+    ++count;
+  }
+  if (count == 0) return;
+  closing_search_.moved(moved_about(at, sum / count),
+                        moved_about(at, -pose_by_calibration_ * step));
 }
 
 // The side whose drift travel is shorter stays. Where both are about equally long, parts of one map
@@ -169,6 +226,13 @@ Map::Piece Mapper::recent_piece() const {
   return {0.0, p_.loop_travel_m, between_m, kEverything_m};
 }
 
+// What lies around the old landmarks in view.
+Map::Piece Mapper::old_piece() const {
+  const double w = closing_.drift_travel_m;
+  return {p_.loop_travel_m, kEverything_m, std::max(w - kPiece_m, 0.5 * (w + drift_travel_m_)),
+          w + kPiece_m};
+}
+
 // What was mapped since the old landmarks went out of sight moves with the robot, each particle's
 // by its own jump: after it old and recent landmarks agree, so that it is not undone.
 void Mapper::carry_recent_map() {
@@ -188,10 +252,8 @@ void Mapper::carry_recent_map() {
 void Mapper::fetch_old_map() {
   const Pose2 T = closing_.T_old_recent.inverse();
   std::fill(before_.begin(), before_.end(), T);
-  const double w = closing_.drift_travel_m;
-  const Map::Piece piece = {p_.loop_travel_m, kEverything_m,
-                            std::max(w - kPiece_m, 0.5 * (w + drift_travel_m_)), w + kPiece_m};
-  refresh_moved(map_->move_piece(piece, before_, T.theta_rad, w - drift_travel_m_));
+  refresh_moved(map_->move_piece(old_piece(), before_, T.theta_rad,
+                                 closing_.drift_travel_m - drift_travel_m_));
   closing_search_.moved(closing_.T_old_recent);
 }
 

@@ -13,6 +13,7 @@
 //
 // As long as nothing is broken nothing is changed, bit for bit.
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -27,6 +28,9 @@ constexpr int kResetsOfAMap = 3;
 constexpr double kRoundingOfSum = 1e-6;
 constexpr double kScatter_m = 0.05;
 constexpr double kScatter_rad = 0.02;
+// What the calibration may move the pose by in a frame: the rest follows in the next ones.
+constexpr double kMostMove_m = 0.02;
+constexpr double kMostTurn_rad = 0.005;
 
 }  // namespace
 
@@ -102,9 +106,12 @@ void Mapper::check_estimate() {
 }
 
 void Mapper::finish_calibration() {
-  const CalibrationVector step = calibration_.end_frame();
+  calibration_.end_frame();
   if (calibration_.broken()) return restart_calibration();
-  move_by_calibration(step);
+  const Eigen::Vector3d move = pose_by_calibration_ * calibration_.owed();
+  const double steps =
+      std::max(move.head<2>().norm() / kMostMove_m, std::abs(move.z()) / kMostTurn_rad);
+  move_by_calibration(calibration_.pay(1.0 / std::max(steps, 1.0)));
 }
 
 void Mapper::restart_calibration() {

@@ -79,6 +79,9 @@ SightSensitivity residual_sensitivity(const ObservationModel& model, const Eigen
 void CalibrationEstimator::reset(const CalibrationPrior& prior) {
   enabled_ = prior.tilt_rad > 0.0;
   beta_.setZero();
+  closing_.setZero();
+  closing_b_.setZero();
+  owed_.setZero();
   CalibrationVector sigma;
   sigma << prior.tilt_rad, prior.tilt_rad, prior.focal, prior.principal, prior.principal;
   information_.setIdentity();
@@ -89,7 +92,10 @@ void CalibrationEstimator::reset(const CalibrationPrior& prior) {
 
 void CalibrationEstimator::restart() {
   information_ = prior_;
+  owed_.setZero();
   broken_ = false;
+  closing_.setZero();
+  closing_b_.setZero();
 }
 
 void CalibrationEstimator::begin_frame(const Eigen::Matrix3d& motion_information) {
@@ -104,9 +110,10 @@ void CalibrationEstimator::begin_frame(const Eigen::Matrix3d& motion_information
   shared_ = shared_residual_ = 0.0;
 }
 
-void CalibrationEstimator::add(int anchor, const Eigen::Vector2d& residual,
+void CalibrationEstimator::add(int anchor, const Eigen::Vector2d& seen,
                                const Eigen::Matrix<double, 2, 3>& G, const SightSensitivity& D,
                                const Eigen::Matrix2d& weight, const Eigen::Vector2d& u) {
+  const Eigen::Vector2d residual = seen - D * owed_;
   if (anchor != anchor_) marginalise_shared();
   anchor_ = anchor;
   bb_ += D.transpose() * weight * D;
@@ -139,18 +146,33 @@ PoseSensitivity CalibrationEstimator::pose_gain() {
   return xx_.llt().solve(bx_.transpose());
 }
 
-CalibrationVector CalibrationEstimator::end_frame() {
+void CalibrationEstimator::add_closing(const Eigen::Vector3d& jump,
+                                       const PoseSensitivity& by_calibration,
+                                       const Eigen::Matrix3d& covariance) {
+  const Eigen::LLT<Eigen::Matrix3d> llt(covariance);
+  closing_ += by_calibration.transpose() * llt.solve(by_calibration);
+  closing_b_ += by_calibration.transpose() * llt.solve(jump - by_calibration * owed_);
+}
+
+void CalibrationEstimator::end_frame() {
   marginalise_shared();
   const Eigen::LLT<Eigen::Matrix3d> llt(xx_);
   const CalibrationMatrix told = bb_ - bx_ * llt.solve(bx_.transpose());
   const CalibrationVector right = b_ - bx_ * llt.solve(x_);
-  information_ = (1.0 - kForget) * information_ + kFrameWeight * told;
-  const CalibrationVector step = information_.ldlt().solve(kFrameWeight * right);
-  const CalibrationVector learned = beta_ + step;
+  information_ = (1.0 - kForget) * information_ + kFrameWeight * told + closing_;
+  const CalibrationVector step = information_.ldlt().solve(kFrameWeight * right + closing_b_);
+  closing_.setZero();
+  closing_b_.setZero();
+  const CalibrationVector learned = beta_ + owed_ + step;
   broken_ = !(learned.array().abs() < kAbsurd).all();
-  if (broken_) return CalibrationVector::Zero();
-  beta_ = learned;
-  return step;
+  if (!broken_) owed_ += step;
+}
+
+CalibrationVector CalibrationEstimator::pay(double share) {
+  const CalibrationVector part = share * owed_;
+  beta_ += part;
+  owed_ -= part;
+  return part;
 }
 
 CalibrationMatrix CalibrationEstimator::covariance() const {

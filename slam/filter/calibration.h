@@ -88,8 +88,17 @@ class CalibrationEstimator {
            const SightSensitivity& D, const Eigen::Matrix2d& weight, const Eigen::Vector2d& u);
   // All inliers were added. How the frame's pose correction (body axes) depends on beta.
   PoseSensitivity pose_gain();
-  // The frame's verdict: the step by which beta changed.
-  CalibrationVector end_frame();
+  // A closing, in the body's axes: the pose by old landmarks lies at `jump` from that by recent
+  // ones, which beta explains by `by_calibration`, and drift of this covariance. Counts once, with
+  // the frame.
+  void add_closing(const Eigen::Vector3d& jump, const PoseSensitivity& by_calibration,
+                   const Eigen::Matrix3d& covariance);
+  // The frame's verdict, which is owed to beta.
+  void end_frame();
+  // What was learned and is not yet in beta: a step that moves poses far is taken in parts.
+  const CalibrationVector& owed() const { return owed_; }
+  // Takes a share of it, 0 to 1, into beta; that part.
+  CalibrationVector pay(double share);
 
   const CalibrationVector& beta() const { return beta_; }
   CalibrationMatrix covariance() const;
@@ -97,9 +106,12 @@ class CalibrationEstimator {
  private:
   bool enabled_ = false;
   CalibrationVector beta_ = CalibrationVector::Zero();
+  CalibrationVector owed_ = CalibrationVector::Zero();
   CalibrationMatrix information_ = CalibrationMatrix::Identity();
   CalibrationMatrix prior_ = CalibrationMatrix::Identity();
   bool broken_ = false;
+  CalibrationMatrix closing_ = CalibrationMatrix::Zero();
+  CalibrationVector closing_b_ = CalibrationVector::Zero();
   // This frame's normal equations over (beta, pose correction).
   CalibrationMatrix bb_ = CalibrationMatrix::Zero();
   Eigen::Matrix<double, kCalibrationSize, 3> bx_ =

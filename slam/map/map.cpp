@@ -146,17 +146,22 @@ int Map::create_anchor(const CameraRows& camera, const PoseSensitivity& by_calib
   return anchor;
 }
 
-std::span<const std::int32_t> Map::move_piece(const Piece& piece, std::span<const Pose2> T_new_old,
-                                              double turn_rad, double shorter_m) {
-  std::array<bool, kMaxAnchors> moves = {};
+Map::AnchorFlags Map::anchors_of(const Piece& piece) const {
+  AnchorFlags flags = {};
   for (const LandmarkInfo& l : landmarks()) {
     if (l.state == LandmarkState::kFree) continue;
     const auto a = static_cast<std::size_t>(l.anchor);
     const double unseen_m = way_m_ - l.last_seen_way_m;
     const auto drift_m = static_cast<double>(anchor_drift_m_[a]);
     if (unseen_m < piece.unseen_from_m || unseen_m > piece.unseen_to_m) continue;
-    moves[a] = drift_m > piece.drift_from_m && drift_m < piece.drift_to_m;
+    flags[a] = drift_m > piece.drift_from_m && drift_m < piece.drift_to_m;
   }
+  return flags;
+}
+
+std::span<const std::int32_t> Map::move_piece(const Piece& piece, std::span<const Pose2> T_new_old,
+                                              double turn_rad, double shorter_m) {
+  const AnchorFlags moves = anchors_of(piece);
   for (int anchor = 0; anchor < kMaxAnchors; ++anchor) {
     const auto a = static_cast<std::size_t>(anchor);
     if (!moves[a]) continue;
@@ -176,6 +181,31 @@ std::span<const std::int32_t> Map::move_piece(const Piece& piece, std::span<cons
     moved_[count++] = slot;
   }
   return moved_.first(count);
+}
+
+Eigen::Vector2d Map::anchor_m(int slot) const {
+  const int anchor = info(slot).anchor;
+  return {static_cast<double>(anchor_rows_.row(anchor, 0)[0]),
+          static_cast<double>(anchor_rows_.row(anchor, 1)[0])};
+}
+
+void Map::tie_piece(const Piece& piece, const PoseSensitivity& by_calibration,
+                    const Eigen::Vector2d& at_m) {
+  const AnchorFlags tied = anchors_of(piece);
+  for (int anchor = 0; anchor < kMaxAnchors; ++anchor) {
+    const auto i = static_cast<std::size_t>(anchor);
+    if (!tied[i]) continue;
+    anchor_rows_.bring(anchor, ancestry_);
+    follow_calibration(anchor);
+    const Eigen::Vector2d off =
+        Eigen::Vector2d(static_cast<double>(anchor_rows_.row(anchor, 0)[0]),
+                        static_cast<double>(anchor_rows_.row(anchor, 1)[0])) -
+        at_m;
+    PoseSensitivity& A = anchor_calibrations_[i].A;
+    A += by_calibration;
+    A.row(0) -= off.y() * by_calibration.row(2);
+    A.row(1) += off.x() * by_calibration.row(2);
+  }
 }
 
 void Map::move_anchor(int anchor, std::span<const Pose2> T_new_old) {
@@ -247,6 +277,10 @@ void Map::follow_calibration(int slot, int anchor) {
     float* row = rows_.row(slot, r);
     for (int i = 0; i < particles_; ++i) row[i] += move[r];
   }
+  follow_calibration(anchor);
+}
+
+void Map::follow_calibration(int anchor) {
   AnchorCalibration& a = anchor_calibrations_[static_cast<std::size_t>(anchor)];
   const Eigen::Vector3f shift = (a.A * (a.beta - calibration_)).cast<float>();
   a.beta = calibration_;

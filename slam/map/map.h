@@ -58,6 +58,11 @@ class Map {
   std::span<const std::int32_t> move_piece(const Piece& piece, std::span<const Pose2> T_new_old,
                                            double turn_rad, double shorter_m);
 
+  // A closing ties the piece to another part of the map: from now on both depend on the calibration
+  // in the same way. `by_calibration`: how that of the piece changes, as of a rigid body at `at_m`.
+  void tie_piece(const Piece& piece, const PoseSensitivity& by_calibration,
+                 const Eigen::Vector2d& at_m);
+
   // Adds a look; false when the landmark has kMaxAppearances, or when the pool has no more than
   // the first looks of landmarks that may still come.
   // `centre_px`: where the landmark lies in the patch, from its middle.
@@ -80,6 +85,8 @@ class Map {
   const PoseSensitivity& anchor_by_calibration(int slot) const {
     return anchor_calibrations_[static_cast<std::size_t>(info(slot).anchor)].A;
   }
+  // Where a landmark's anchor is, by the first particle.
+  Eigen::Vector2d anchor_m(int slot) const;
   // How far an anchor may have drifted (see drift.h); zero when it is created.
   PlacedDrift& anchor_drift(int anchor) { return anchor_drifts_[static_cast<std::size_t>(anchor)]; }
   const PlacedDrift& anchor_drift(int anchor) const {
@@ -156,7 +163,10 @@ class Map {
     PoseSensitivity A = PoseSensitivity::Zero();
     CalibrationVector beta = CalibrationVector::Zero();
   };
+  using AnchorFlags = std::array<bool, kMaxAnchors>;
+  AnchorFlags anchors_of(const Piece& piece) const;
   void follow_calibration(int slot, int anchor);
+  void follow_calibration(int anchor);
   void follow_noise(int slot);
   float kappa_ = 1.0F;
   void move_anchor(int anchor, std::span<const Pose2> T_new_old);

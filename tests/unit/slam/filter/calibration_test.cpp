@@ -196,6 +196,7 @@ TEST(Calibration, EstimatorFindsTheTruth) {
                     weight, Eigen::Vector2d::Zero());
     }
     estimator.end_frame();
+    estimator.pay(1.0);
   }
   const CalibrationVector error = estimator.beta() - truth;
   const CalibrationMatrix P = estimator.covariance();
@@ -242,7 +243,8 @@ TEST(Calibration, AStepThatIsNoNumberIsNotTaken) {
       estimator.add(0, residual * Eigen::Vector2d(1.0 + z.x(), z.y()), G, -calibration_effect(z),
                     1e4 * Eigen::Matrix2d::Identity(), Eigen::Vector2d::Zero());
     }
-    return estimator.end_frame();
+    estimator.end_frame();
+    return estimator.pay(1.0);
   };
   CalibrationEstimator estimator;
   estimator.reset({.tilt_rad = 0.004, .focal = 0.01, .principal = 0.004});
@@ -267,6 +269,59 @@ TEST(Calibration, ZeroTiltSwitchesItOff) {
   estimator.reset({.tilt_rad = 0.0, .focal = 0.01, .principal = 0.01});
   EXPECT_FALSE(estimator.enabled());
   EXPECT_TRUE(estimator.beta().isZero(0.0));
+}
+
+// What is owed is neither lost nor learned twice: paid in parts, the estimate ends where it would
+// have been at once.
+TEST(CalibrationEstimator, PaysWhatItOwesInParts) {
+  const TestSeed seed;
+  const auto learn = [&](double share) {
+    Random random(seed.value());
+    CalibrationEstimator estimator;
+    estimator.reset({0.01, 0.0, 0.01});
+    CalibrationVector truth;
+    truth << 0.012, -0.008, 0.0, 0.004, -0.006;
+    for (int frame = 0; frame < 120; ++frame) {
+      estimator.begin_frame(Eigen::Vector3d(1e4, 1e4, 1e4).asDiagonal());
+      for (int n = 0; n < 30; ++n) {
+        const Eigen::Vector2d z(random.uniform(-1.3, 1.3), random.uniform(-1.3, 1.3));
+        Eigen::Matrix<double, 2, 3> G;
+        G << -0.4, 0.0, z.y(), 0.0, -0.4, -z.x();
+        const SightSensitivity D = -calibration_effect(z);
+        estimator.add(0, D * (truth - estimator.beta()), G, D, 1e5 * Eigen::Matrix2d::Identity(),
+                      Eigen::Vector2d::Zero());
+      }
+      estimator.end_frame();
+      estimator.pay(share);
+    }
+    return CalibrationVector(estimator.beta() + estimator.owed());
+  };
+  EXPECT_LT((learn(0.1) - learn(1.0)).norm(), 1e-6);
+}
+
+// A closing whose jump the calibration explains tells it, as far as drift leaves that open, and is
+// not heard again in the next frame.
+TEST(CalibrationEstimator, AClosingCountsOnce) {
+  CalibrationEstimator estimator;
+  estimator.reset({.tilt_rad = 0.004, .focal = 0.0, .principal = 0.0});
+  PoseSensitivity by_calibration = PoseSensitivity::Zero();
+  by_calibration(0, 0) = 100.0;
+  CalibrationVector truth = CalibrationVector::Zero();
+  truth[0] = 0.004;
+  const double drift_m = 0.2;
+  const auto frame = [&](bool closing) {
+    estimator.begin_frame(1e4 * Eigen::Matrix3d::Identity());
+    if (closing) {
+      estimator.add_closing(by_calibration * truth, by_calibration,
+                            drift_m * drift_m * Eigen::Matrix3d::Identity());
+    }
+    estimator.end_frame();
+    return CalibrationVector(estimator.pay(1.0));
+  };
+  // The prior leaves 0.4 m open and the drift 0.2 m: four fifths of the jump are the calibration's.
+  EXPECT_NEAR(frame(true)[0], 0.8 * truth[0], 0.001 * truth[0]);
+  EXPECT_TRUE(frame(false).isZero(1e-12));
+  EXPECT_LT(estimator.covariance()(0, 0), 0.21 * 0.004 * 0.004);
 }
 
 }  // namespace

@@ -218,5 +218,44 @@ TEST(Map, RowsFollowTheCalibration) {
   EXPECT_EQ(rig->map.rows(late).ax[1], 0.5F);
 }
 
+// Two parts of a map that a closing has tied go on as one rigid body, whatever the calibration
+// turns out to be; what was learned before the closing moved each part in its own way.
+TEST(Map, ATiedPieceGoesWithTheOtherPart) {
+  const auto rig = make_rig();
+  const auto landmark_at = [&](double x_m, const PoseSensitivity& A, double drift_m) {
+    rig->place(x_m);
+    const int slot = rig->map.create(rig->map.create_anchor(rig->particles.camera, A, drift_m));
+    start_landmark(rig->map.rows(slot), kParticles, 0.0F, 0.0F, 1e-4F, 0.4F, 0.1F);
+    return slot;
+  };
+  const auto place = [&](int slot) {
+    rig->map.rows(slot);
+    return rig->map.anchor_m(slot);
+  };
+  // Of the tilt forward: the old part goes straight, the recent one turns about a place far away.
+  PoseSensitivity of_old = PoseSensitivity::Zero();
+  of_old(0, 0) = 2.0;
+  PoseSensitivity of_recent = PoseSensitivity::Zero();
+  of_recent(1, 0) = 300.0;
+  of_recent(2, 0) = 5.0;
+  PoseSensitivity of_later = of_recent;
+  of_later(1, 0) += 5.0 * 5.0;
+  const int old = landmark_at(0.0, of_old, 0.0);
+  const int recent = landmark_at(4.0, of_recent, 80.0);
+  const int later = landmark_at(9.0, of_later, 85.0);
+  CalibrationVector beta = CalibrationVector::Zero();
+  beta[0] = 1e-3;
+  rig->map.set_calibration(beta);
+  rig->map.tie_piece({0.0, 10.0, 40.0, 1e9}, of_old - of_recent, {4.0, -0.3});
+  EXPECT_LT((place(old) - Eigen::Vector2d(-0.002, 0.0)).norm(), 1e-5);
+  EXPECT_LT((place(recent) - Eigen::Vector2d(4.0, -0.3)).norm(), 1e-5);
+  EXPECT_LT((place(later) - Eigen::Vector2d(9.0, -0.325)).norm(), 1e-5);
+  beta[0] = 5e-3;
+  rig->map.set_calibration(beta);
+  EXPECT_LT((place(old) - Eigen::Vector2d(-0.010, 0.0)).norm(), 1e-5);
+  EXPECT_LT((place(recent) - Eigen::Vector2d(3.992, -0.3)).norm(), 1e-5);
+  EXPECT_LT((place(later) - Eigen::Vector2d(8.992, -0.325)).norm(), 1e-3);
+}
+
 }  // namespace
 }  // namespace zenith
