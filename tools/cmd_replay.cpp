@@ -100,8 +100,8 @@ int run_replay(ReplayCommand& command) {
   for (const std::string& view : result->views) views += "  " + view + "\n";
   std::printf("%s%s%s\nmemory: %.1f MiB for each robot, taken at the start\n%s\n",
               figures_text(result->figures).c_str(), verdicts_text(result->figures).c_str(),
-              views.c_str(),
-              static_cast<double>(result->memory_bytes) / (1024.0 * 1024.0), command.out.c_str());
+              views.c_str(), static_cast<double>(result->memory_bytes) / (1024.0 * 1024.0),
+              command.out.c_str());
   return is_wrong(result->figures) ? kWrongSetup : 0;
 }
 

@@ -297,8 +297,7 @@ class Parser {
   void bit_timing() {
     bool good = in_.take(':');
     if (good && in_.take_number<std::uint32_t>() && in_.take(':')) {
-      good = in_.take_number<std::uint32_t>() && in_.take(',') &&
-             in_.take_number<std::uint32_t>();
+      good = in_.take_number<std::uint32_t>() && in_.take(',') && in_.take_number<std::uint32_t>();
     }
     in_.take(';');
     if (!good) problem("expected the bit timing, BS_: [BAUDRATE : BTR1,BTR2]");

@@ -1,7 +1,7 @@
 #pragma once
-// The part of DBC files that odometry needs: BO_ (messages), SG_ (signals), SIG_VALTYPE_ (floats) and
-// SG_MUL_VAL_ (multiplexing). All other statements of the format are read by its grammar and passed
-// over; what is none of them is an error with its line.
+// The part of DBC files that odometry needs: BO_ (messages), SG_ (signals), SIG_VALTYPE_ (floats)
+// and SG_MUL_VAL_ (multiplexing). All other statements of the format are read by its grammar and
+// passed over; what is none of them is an error with its line.
 //
 //   BO_ 170 WHEELS: 8 BASE
 //    SG_ LEFT : 6|15@0+ (0.01,-67.67) [0|0] "km/h" Vector__XXX

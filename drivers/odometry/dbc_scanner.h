@@ -19,15 +19,41 @@ namespace zenith {
 
 // What begins a statement.
 inline constexpr std::array<std::string_view, 35> kDbcKeywords = {
-    "VERSION",          "NS_",          "BS_",            "BU_",
-    "BO_",              "SG_",          "VAL_TABLE_",     "BO_TX_BU_",
-    "EV_",              "ENVVAR_DATA_", "EV_DATA_",       "SGTYPE_",
-    "SGTYPE_VAL_",      "SIG_TYPE_REF_", "SIG_GROUP_",    "CM_",
-    "BA_DEF_",          "BA_DEF_REL_",  "BA_DEF_SGTYPE_", "BA_DEF_DEF_",
-    "BA_DEF_DEF_REL_",  "BA_",          "BA_REL_",        "BA_SGTYPE_",
-    "VAL_",             "CAT_DEF_",     "CAT_",           "FILTER",
-    "SIG_VALTYPE_",     "SIGTYPE_VALTYPE_", "SG_MUL_VAL_", "BU_SG_REL_",
-    "BU_EV_REL_",       "BU_BO_REL_",   "NS_DESC_",
+    "VERSION",
+    "NS_",
+    "BS_",
+    "BU_",
+    "BO_",
+    "SG_",
+    "VAL_TABLE_",
+    "BO_TX_BU_",
+    "EV_",
+    "ENVVAR_DATA_",
+    "EV_DATA_",
+    "SGTYPE_",
+    "SGTYPE_VAL_",
+    "SIG_TYPE_REF_",
+    "SIG_GROUP_",
+    "CM_",
+    "BA_DEF_",
+    "BA_DEF_REL_",
+    "BA_DEF_SGTYPE_",
+    "BA_DEF_DEF_",
+    "BA_DEF_DEF_REL_",
+    "BA_",
+    "BA_REL_",
+    "BA_SGTYPE_",
+    "VAL_",
+    "CAT_DEF_",
+    "CAT_",
+    "FILTER",
+    "SIG_VALTYPE_",
+    "SIGTYPE_VALTYPE_",
+    "SG_MUL_VAL_",
+    "BU_SG_REL_",
+    "BU_EV_REL_",
+    "BU_BO_REL_",
+    "NS_DESC_",
 };
 
 constexpr bool is_dbc_keyword(std::string_view word) {
@@ -121,8 +147,8 @@ class DbcScanner {
  private:
   static constexpr bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
   static constexpr bool is_word(char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
-           c == '_' || static_cast<unsigned char>(c) >= 0x80;
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
+           static_cast<unsigned char>(c) >= 0x80;
   }
   static std::size_t word_length(std::string_view text) {
     std::size_t length = 0;

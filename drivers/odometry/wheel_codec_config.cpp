@@ -76,8 +76,8 @@ void check_canopen(const canopen::Config& config, Problems& problems) {
 }
 
 std::optional<DbcEntry> take_signal(const DbcFile& file, const std::string& key,
-                                     const std::string& name, WheelQuantity quantity,
-                                     Problems& problems) {
+                                    const std::string& name, WheelQuantity quantity,
+                                    Problems& problems) {
   if (name.empty()) {
     problems.add(key + " is missing, expected SIGNAL or MESSAGE.SIGNAL");
     return std::nullopt;
@@ -115,8 +115,8 @@ dbc::Codec make_dbc(const dbc::Config& config, Problems& problems) {
   if (left->message == right->message && left->name == right->name) {
     problems.add("dbc: both wheels are the signal " + config.left_signal);
   }
-  return {left->signal,      right->signal,    config.quantity, config.metres_per_unit,
-          left->conditions, right->conditions};
+  return {left->signal,           right->signal,    config.quantity,
+          config.metres_per_unit, left->conditions, right->conditions};
 }
 
 WheelCodec make_codec(const WheelCodecConfig& config, Problems& problems) {

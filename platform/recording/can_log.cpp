@@ -121,8 +121,9 @@ class Reader {
     }
     const LogClock clock = stamps_.clock();
     if (clock == LogClock::kUnclear) {
-      return refuse(stamps_, "the stamps neither rise as those of candump -tz nor jump as those of "
-                             "candump -td");
+      return refuse(stamps_,
+                    "the stamps neither rise as those of candump -tz nor jump as those of "
+                    "candump -td");
     }
     if (clock != LogClock::kRecordings && !start_) {
       return refuse(stamps_, clock == LogClock::kFromLast
@@ -135,8 +136,8 @@ class Reader {
     if (!start_) return std::move(log_);
     for (std::size_t i = 0; i < log_.frames.size(); ++i) {
       Time& stamp = log_.frames[i].stamp;
-      const Duration since = clock == LogClock::kFromLast ? since_first_[i]
-                                                          : stamp - stamps_.first();
+      const Duration since =
+          clock == LogClock::kFromLast ? since_first_[i] : stamp - stamps_.first();
       stamp = std::max(*start_ + std::clamp(since, Duration{-kLongest.ns}, kLongest), Time{0});
     }
     return std::move(log_);
@@ -161,7 +162,7 @@ class Reader {
   std::optional<Time> start_;
   CanLog log_;
   LogStamps stamps_;
-  Duration offset_;                     // the sum of the stamps so far, for -td
+  Duration offset_;                    // the sum of the stamps so far, for -td
   std::vector<Duration> since_first_;  // of each frame, if the stamps are those of -td
 };
 

@@ -26,8 +26,8 @@
 namespace zenith {
 
 enum class CandumpLine {
-  kFrame,    // a classic data frame
-  kRemote,   // these are well formed, but carry no data of a base
+  kFrame,   // a classic data frame
+  kRemote,  // these are well formed, but carry no data of a base
   kFd,
   kError,
   kDropped,  // candump itself lost frames (-d)

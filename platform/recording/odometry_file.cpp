@@ -32,9 +32,9 @@ Error no_file(const fs::path& log, const std::string& can_interface) {
   const std::string found = other_logs(log.parent_path());
   return {log.string() + ": missing: expected the wheels of the recording there (candump -L " +
           can_interface + "), or in odometry.csv or odometry.tum beside it" +
-          (found.empty() ? ""
-                         : "; found " + found +
-                               ": rename the log, or correct odometry.can_interface")};
+          (found.empty()
+               ? ""
+               : "; found " + found + ": rename the log, or correct odometry.can_interface")};
 }
 
 }  // namespace
@@ -77,8 +77,7 @@ Result<WheelLog> read_odometry(const OdometryFile& file, const RobotFile& robot)
   }
   const auto decoder = make_wheel_decoder(robot.odometry);
   if (!decoder.ok()) {
-    return Error{layout::robot(file.path.parent_path()).string() + ": " +
-                 decoder.error().message};
+    return Error{layout::robot(file.path.parent_path()).string() + ": " + decoder.error().message};
   }
   return read_wheel_log(file.path, robot.can_interface, *decoder, robot.log_start());
 }

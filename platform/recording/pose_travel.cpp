@@ -114,8 +114,8 @@ class PoseTravel {
     const ArcTravel arc = arc_travel(last_->pose, pose.pose, track_width_m_);
     const double turn_rad = wrap_angle(pose.pose.theta_rad - last_->pose.theta_rad);
     const double apart_s = (pose.stamp - last_->stamp).seconds();
-    const double chord_m = std::hypot(pose.pose.x_m - last_->pose.x_m,
-                                      pose.pose.y_m - last_->pose.y_m);
+    const double chord_m =
+        std::hypot(pose.pose.x_m - last_->pose.x_m, pose.pose.y_m - last_->pose.y_m);
     // Farther than the wheels reach: the base put its odometry back, or was put elsewhere. The
     // decoder counts it as a restart: a step that no wheel makes within the limits' ranges.
     const bool jumped =
@@ -157,8 +157,7 @@ ArcTravel arc_travel(const Pose2& from, const Pose2& to, double track_width_m) {
   const double dx = to.x_m - from.x_m;
   const double dy = to.y_m - from.y_m;
   // The series of h / sin(h) is exact to 1e-16 below.
-  const double stretch =
-      std::abs(half) < 1e-3 ? 1.0 + half * half / 6.0 : half / std::sin(half);
+  const double stretch = std::abs(half) < 1e-3 ? 1.0 + half * half / 6.0 : half / std::sin(half);
   const double way = stretch * (dx * std::cos(heading) + dy * std::sin(heading));
   return {way - track_width_m * half, way + track_width_m * half,
           dy * std::cos(heading) - dx * std::sin(heading)};

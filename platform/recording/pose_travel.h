@@ -10,8 +10,8 @@
 // s is negative when it drove backward, and 0 when it turned on the spot. Signed projections do not
 // add up the noise of rounded poses, as lengths of chords would.
 //
-// The travel so far is told in whole tenths of a millimetre: what rounded poses leave while the robot
-// stands is no motion.
+// The travel so far is told in whole tenths of a millimetre: what rounded poses leave while the
+// robot stands is no motion.
 //
 // The travel is that of the base's own wheels, before left_scale and right_scale: b is the track
 // width with which the base made the poses, so that what calibration corrects is not undone.

@@ -90,8 +90,8 @@ std::size_t find_column(const std::vector<std::string>& names,
 Result<Columns> read_heading(const InputLines& file, std::string_view line) {
   std::vector<std::string> names;
   for (const std::string_view field : split(line)) names.push_back(lower(field));
-  const Error unclear = file.error(std::string(kForm) + ", found the heading '" +
-                                   printable_start(line, 80) + "'");
+  const Error unclear =
+      file.error(std::string(kForm) + ", found the heading '" + printable_start(line, 80) + "'");
   Columns columns;
   columns.left = find_column(names, {"left"});
   columns.right = find_column(names, {"right"});

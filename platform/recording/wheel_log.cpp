@@ -135,8 +135,9 @@ std::vector<std::string> describe_log(const WheelLog& log, const std::filesystem
   tell(log.can.fd_frames, "CAN FD frames, ignored: wheels are read from classic frames alone");
   tell(log.can.drop_reports, "times candump lost frames: record with a larger buffer, -r");
   if (log.can.local_dates) {
-    lines.push_back(name + "dates (candump -tA) name no time zone, taken as UTC; record with "
-                           "candump -L, or set odometry.log_start_s");
+    lines.push_back(name +
+                    "dates (candump -tA) name no time zone, taken as UTC; record with "
+                    "candump -L, or set odometry.log_start_s");
   }
   if (!log.unknown_ids.empty()) lines.push_back(name + unknown_text(log));
   for (const std::string& other : other_lengths(log)) lines.push_back(name + other);

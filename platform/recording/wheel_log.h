@@ -1,6 +1,6 @@
 #pragma once
-// The wheels of a recording, whichever file they come from (odometry_file.h), and what was odd about
-// it.
+// The wheels of a recording, whichever file they come from (odometry_file.h), and what was odd
+// about it.
 
 #include <cstddef>
 #include <cstdint>
@@ -26,10 +26,10 @@ struct WheelLog {
   WheelFault fault;
   // Of CAN logs.
   bool is_can = false;
-  CanIds expected_ids;                         // those of the codec
-  std::map<CanId, std::size_t> unknown_ids;    // and how often each came
-  std::size_t further_unknown = 0;             // frames of ids that found no room there
-  CanLog can;                                  // without its frames: those were decoded
+  CanIds expected_ids;                       // those of the codec
+  std::map<CanId, std::size_t> unknown_ids;  // and how often each came
+  std::size_t further_unknown = 0;           // frames of ids that found no room there
+  CanLog can;                                // without its frames: those were decoded
 };
 
 // From a CAN log. `decoder` is that of the robot's base, `start` as parse_can_log() takes it.

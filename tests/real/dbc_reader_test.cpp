@@ -29,9 +29,8 @@ std::string output_of(const std::string& command) {
 }
 
 void compare(const std::filesystem::path& dbc, const std::filesystem::path& log) {
-  const std::string text =
-      output_of("node '" ZENITH_SOURCE_DIR "/tests/support/dbc_table.mjs' '" + dbc.string() +
-                "' '" + log.string() + "' 2>/dev/null");
+  const std::string text = output_of("node '" ZENITH_SOURCE_DIR "/tests/support/dbc_table.mjs' '" +
+                                     dbc.string() + "' '" + log.string() + "' 2>/dev/null");
   if (text.empty()) {
     GTEST_SKIP() << "node with the package candied is needed to compare " << dbc
                  << "; install it and set NODE_PATH";

@@ -85,7 +85,8 @@ bool is_slam(Room room) {
 bool is_plain_slam_type(std::string_view path) {
   return room_of(path) == Room::kSlamCommon || path == "slam/image/image.h" ||
          path == "slam/image/lens.h" || path == "slam/image/lens_extent.h" ||
-         path == "slam/image/lens_projection.h" || path == "slam/image/view.h" || path == "slam/fleet/record.h";
+         path == "slam/image/lens_projection.h" || path == "slam/image/view.h" ||
+         path == "slam/fleet/record.h";
 }
 
 // "drivers/odometry/codec.h" -> "drivers/odometry/"

@@ -186,8 +186,8 @@ Finding check_wheels(const TrafficFacts& facts, const CanIds& expected, const st
                               : "configure 29 bits: in a DBC file, add 2147483648 to its number");
     }
     return fail(what,
-                "the codec " + codec + " reads " + wanted + ", none of which came; on the bus: " +
-                    ids_text(facts.by_id),
+                "the codec " + codec + " reads " + wanted +
+                    ", none of which came; on the bus: " + ids_text(facts.by_id),
                 "correct odometry.codec or its identifiers; some bases must be told to send");
   }
   if (d.samples == 0) {

@@ -149,8 +149,9 @@ TEST(CanLog, WithoutStampsNothingCanBeSaid) {
 
 // Other programs' clocks may begin anywhere, and need no zeros in front.
 TEST(CanLog, AClockThatBeginsAtZeroIsAClock) {
-  const auto log = read("(0.0) can0 123#00\n(0.5) can0 123#00\n(99.5) can0 123#00\n"
-                        "(100.5) can0 123#00\n");
+  const auto log = read(
+      "(0.0) can0 123#00\n(0.5) can0 123#00\n(99.5) can0 123#00\n"
+      "(100.5) can0 123#00\n");
   ASSERT_TRUE(log.ok()) << log.error().message;
   EXPECT_EQ(log->malformed, 0U);
   EXPECT_EQ(log->frames.back().stamp.ns, 100'500'000'000);

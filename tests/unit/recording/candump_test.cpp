@@ -10,7 +10,6 @@
 namespace zenith::tools {
 namespace {
 
-
 TEST(Candump, ReadsALineOfCandump) {
   const CandumpRecord record = parse_candump("(1436509052.249713) can0 311#0000002A0000002B");
   ASSERT_EQ(record.line, CandumpLine::kFrame);
@@ -81,8 +80,7 @@ TEST(Candump, ReadsAllForms) {
     EXPECT_EQ(record.interface, form.interface);
     EXPECT_EQ(record.frame.id, 0x311U);
     EXPECT_EQ(record.frame.length, 8);
-    EXPECT_EQ(record.frame.data,
-              (std::array<std::uint8_t, 8>{0, 0, 0, 0x2A, 0, 0, 0, 0x2B}));
+    EXPECT_EQ(record.frame.data, (std::array<std::uint8_t, 8>{0, 0, 0, 0x2A, 0, 0, 0, 0x2B}));
     if (form.stamp == CandumpStamp::kSeconds || form.stamp == CandumpStamp::kLocalDate) {
       EXPECT_EQ(record.frame.stamp.ns / 1000, 1436509052249713);
     }
@@ -113,17 +111,38 @@ TEST(Candump, LeavesOtherFramesAlone) {
 }
 
 TEST(Candump, RefusesWhatIsMalformed) {
-  for (const char* line :
-       {"(1.0) can0 311#123", "(1.0) can0 311#00000000000000000", "(1.0) can0 311",
-        "1.0 can0 311#00", "(1.0 can0 311#00", "() can0 311#00", "(-1.0) can0 311#00",
-        "(1.x) can0 311#00", "(1.0) can0 3111#00", "(1.0) can0 FFF#00", "(1.0) can0 GGG#00",
-        "(1.0) can0 311#0G", "(1.0) can0 311#00 X", "(1.0)", "(nan) can0 311#00",
-        "(99999999999.0) can0 311#00", "(1.0) can0 #00", "\x01\xff(((",
-        "(1.0) can0 FFFFFFFF1#00", "  can0  311   [8]  00 11", "  can0  311   [2]  00 11 22",
-        "  can0  311   [9]  00 11 22 33 44 55 66 77 88", "  can0  311   [x]  00",
-        "  can0  311   [2", "  can0 x 311   [1]  00", "  [1]  00", "  can0  311   [2]  00`",
-        "  can0  311   [2]  00`11`22", "  can0  311   []", "(2015-13-10 06:17:32.2) can0 311#00",
-        "(2015-07-10) can0 311#00", "(2015-07-10 06:17:32x5) can0 311#00"}) {
+  for (const char* line : {"(1.0) can0 311#123",
+                           "(1.0) can0 311#00000000000000000",
+                           "(1.0) can0 311",
+                           "1.0 can0 311#00",
+                           "(1.0 can0 311#00",
+                           "() can0 311#00",
+                           "(-1.0) can0 311#00",
+                           "(1.x) can0 311#00",
+                           "(1.0) can0 3111#00",
+                           "(1.0) can0 FFF#00",
+                           "(1.0) can0 GGG#00",
+                           "(1.0) can0 311#0G",
+                           "(1.0) can0 311#00 X",
+                           "(1.0)",
+                           "(nan) can0 311#00",
+                           "(99999999999.0) can0 311#00",
+                           "(1.0) can0 #00",
+                           "\x01\xff(((",
+                           "(1.0) can0 FFFFFFFF1#00",
+                           "  can0  311   [8]  00 11",
+                           "  can0  311   [2]  00 11 22",
+                           "  can0  311   [9]  00 11 22 33 44 55 66 77 88",
+                           "  can0  311   [x]  00",
+                           "  can0  311   [2",
+                           "  can0 x 311   [1]  00",
+                           "  [1]  00",
+                           "  can0  311   [2]  00`",
+                           "  can0  311   [2]  00`11`22",
+                           "  can0  311   []",
+                           "(2015-13-10 06:17:32.2) can0 311#00",
+                           "(2015-07-10) can0 311#00",
+                           "(2015-07-10 06:17:32x5) can0 311#00"}) {
     EXPECT_EQ(parse_candump(line).line, CandumpLine::kMalformed) << line;
   }
 }

@@ -1,5 +1,5 @@
-// The wheels of a recording out of a CAN log, odometry.csv and odometry.tum: one interface, the same
-// samples, the same checks.
+// The wheels of a recording out of a CAN log, odometry.csv and odometry.tum: one interface, the
+// same samples, the same checks.
 
 #include "platform/recording/odometry_file.h"
 
@@ -96,7 +96,7 @@ void expect_same(const std::vector<WheelSample>& got, const std::vector<WheelSam
 
 // Forward, backward, on the spot, about either wheel, along curves, standing.
 std::vector<WheelSample> mixed_drive() {
-  const double pairs[][2] = {{0.5, 0.5},  {-0.4, -0.4}, {0.3, -0.3}, {-0.6, 0.6}, {0.0, 0.4},
+  const double pairs[][2] = {{0.5, 0.5},  {-0.4, -0.4}, {0.3, -0.3}, {-0.6, 0.6},  {0.0, 0.4},
                              {-0.4, 0.0}, {0.5, 0.45},  {0.0, 0.0},  {-0.3, -0.5}, {0.2, -0.1}};
   std::vector<WheelSample> samples = {{Time{1'000'000'000}, 7.0, -3.0}};
   for (const auto& [left_mps, right_mps] : pairs) {
@@ -198,8 +198,8 @@ TEST(PoseTravel, PosesThatAreNoBasesAreRefused) {
   std::string text;
   for (int i = 0; i < 100; ++i) {
     const double theta = 0.05 * i;
-    text += tum_text({{Time{i * 50'000'000LL},
-                       {0.15 * std::cos(theta), 0.15 * std::sin(theta), theta}}});
+    text += tum_text(
+        {{Time{i * 50'000'000LL}, {0.15 * std::cos(theta), 0.15 * std::sin(theta), theta}}});
   }
   EXPECT_THAT(read_poses(text).error().message,
               AllOf(HasSubstr("odometry.tum: the poses move sideways by 0.7"),
@@ -207,9 +207,9 @@ TEST(PoseTravel, PosesThatAreNoBasesAreRefused) {
   EXPECT_THAT(read_poses("1.0 0 0 0 0 0 0 1\n1.1 0 0 0 0.7071068 0 0 0.7071068\n").error().message,
               AllOf(HasSubstr("odometry.tum:2: the pose leans by 90 degrees"),
                     HasSubstr("pose of a camera?")));
-  EXPECT_THAT(read_poses("1.0 0 0 0 0 0 0 1\n2.0 0 0 0 0 0 0.9 0.4358899\n").error().message,
-              AllOf(HasSubstr("odometry.tum:2: turns by 128 degrees in 1.00 s"),
-                    HasSubstr("more often")));
+  EXPECT_THAT(
+      read_poses("1.0 0 0 0 0 0 0 1\n2.0 0 0 0 0 0 0.9 0.4358899\n").error().message,
+      AllOf(HasSubstr("odometry.tum:2: turns by 128 degrees in 1.00 s"), HasSubstr("more often")));
   RobotFile robot;
   robot.odometry.swap_wheels = true;
   EXPECT_THAT(read_poses("1.0 0 0 0 0 0 0 1\n", robot).error().message,
@@ -384,7 +384,8 @@ TEST_P(OdometryForm, NumbersThatAreNoneAreToldWithTheirLine) {
 
 TEST_P(OdometryForm, RefusesAnotherClock) {
   auto late = samples();
-  for (WheelSample& sample : late) sample.stamp = sample.stamp + Duration{1'436'509'051'000'000'000};
+  for (WheelSample& sample : late)
+    sample.stamp = sample.stamp + Duration{1'436'509'051'000'000'000};
   write_text(file(), GetParam().write(late));
   EXPECT_THAT(read_all(), AllOf(HasSubstr(GetParam().file), HasSubstr("no time in common")));
 }
@@ -404,7 +405,7 @@ TEST_P(OdometryForm, AnImpossibleStepIsARestart) {
 TEST_P(OdometryForm, ExactlyOneFileIsTaken) {
   write_text(file(), GetParam().write(samples()));
   for (const Form& other : {Form{"", "can0.log", as_can}, Form{"", "odometry.csv", as_csv},
-                           Form{"", "odometry.tum", as_tum}}) {
+                            Form{"", "odometry.tum", as_tum}}) {
     if (folder_ / other.file == file()) continue;
     write_text(folder_ / other.file, other.write(samples()));
     EXPECT_THAT(read_all(), AllOf(HasSubstr("hold the wheels of this recording, expected one"),

@@ -244,8 +244,8 @@ TEST_F(RecordingTest, WheelsThatCannotBeWheelsAreAnError) {
     log += line;
   }
   write_text(layout::can_log(folder_, "can0"), log);
-  EXPECT_THAT(read_all(), AllOf(HasSubstr("can0.log: the wheels are read wrong"),
-                                HasSubstr("byte order")));
+  EXPECT_THAT(read_all(),
+              AllOf(HasSubstr("can0.log: the wheels are read wrong"), HasSubstr("byte order")));
 }
 
 TEST_F(RecordingTest, RefusesBadRobots) {

@@ -1,6 +1,6 @@
 #pragma once
-// Reads what tests/support/dbc_table.mjs prints, and compares it with this reader: the same signals,
-// the same values.
+// Reads what tests/support/dbc_table.mjs prints, and compares it with this reader: the same
+// signals, the same values.
 
 #include <cmath>
 #include <cstdlib>

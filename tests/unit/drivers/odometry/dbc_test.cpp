@@ -194,10 +194,12 @@ TEST(Dbc, AQuoteInATextIsOnlyACharacter) {
            "BA_ \"N\" SG_ 512 LEFT 17;\nBA_ \"F\" -1.5e3;\n",
            "VAL_ 512 LEFT 0 \"6\\\" wheel\" 1 \"7\" wheel\" -2 \"x;y\" ;\n",
            "VAL_TABLE_ T 1 \"over\nlines\" 0 \"none\" ;\nVAL_ ENV 1 \"a\" ;\n",
-           "BA_DEF_REL_ BU_SG_REL_ \"R\" INT 0 65535;\nBA_REL_ \"R\" BU_SG_REL_ B SG_ 512 LEFT 1;\n",
+           "BA_DEF_REL_ BU_SG_REL_ \"R\" INT 0 65535;\nBA_REL_ \"R\" BU_SG_REL_ B SG_ 512 LEFT "
+           "1;\n",
            "EV_ E: 0 [0|1] \"unit\" 0 2 DUMMY_NODE_VECTOR0 Vector__XXX;\nENVVAR_DATA_ E: 5;\n",
            "SIG_GROUP_ 512 G 1 : LEFT RIGHT;\nBO_TX_BU_ 512 : A,B;\nSGTYPE_ 1;\n",
-           "CM_ \"Gr\xF6\xDF" "e in \xB0\";\n",
+           "CM_ \"Gr\xF6\xDF"
+           "e in \xB0\";\n",
        }) {
     const std::string whole = std::string(kHead) + text + kTail;
     const auto file = parse_dbc(whole, "x.dbc");
@@ -280,15 +282,18 @@ TEST(Dbc, MultiplexedSignalsAreInTheirFramesAlone) {
   const auto file = parse_dbc(kPages, "x.dbc");
   EXPECT_THAT(find_signal(*file, "LOST").error().message,
               AllOf(HasSubstr("is multiplexed (m2M)"), HasSubstr("no selector NONE")));
-  const auto two = parse_dbc(std::string(kPages) + "BO_ 1 X: 8 B\n SG_ A M : 0|4@1+ (1,0) [0|0] "
-                             "\"\" R\n SG_ B M : 4|4@1+ (1,0) [0|0] \"\" R\n SG_ C m1 : 8|8@1+ "
-                             "(1,0) [0|0] \"\" R\n", "x.dbc");
+  const auto two = parse_dbc(std::string(kPages) +
+                                 "BO_ 1 X: 8 B\n SG_ A M : 0|4@1+ (1,0) [0|0] "
+                                 "\"\" R\n SG_ B M : 4|4@1+ (1,0) [0|0] \"\" R\n SG_ C m1 : 8|8@1+ "
+                                 "(1,0) [0|0] \"\" R\n",
+                             "x.dbc");
   ASSERT_TRUE(two.ok()) << two.error().message;
   EXPECT_THAT(find_signal(*two, "C").error().message, HasSubstr("exactly one selector (M)"));
   // Each selects the other.
   const auto circle = parse_dbc(
       "BO_ 1 X: 8 B\n SG_ A m1M : 0|4@1+ (1,0) [0|0] \"\" R\n SG_ B m2M : 4|4@1+ (1,0) [0|0] \"\" "
-      "R\nSG_MUL_VAL_ 1 A B 1-1;\nSG_MUL_VAL_ 1 B A 2-2;\n", "x.dbc");
+      "R\nSG_MUL_VAL_ 1 A B 1-1;\nSG_MUL_VAL_ 1 B A 2-2;\n",
+      "x.dbc");
   ASSERT_TRUE(circle.ok()) << circle.error().message;
   EXPECT_THAT(find_signal(*circle, "A").error().message, HasSubstr("selectors in a row"));
 }

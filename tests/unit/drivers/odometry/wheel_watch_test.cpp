@@ -25,18 +25,15 @@ struct Speeds {
 };
 
 // What a robot does: forward, curves, on the spot, backward, standing.
-const std::vector<Speeds> kDrive = {{0.5, 0.5, 8.0},   {0.5, 0.4, 5.0},  {0.3, -0.3, 4.0},
+const std::vector<Speeds> kDrive = {{0.5, 0.5, 8.0},   {0.5, 0.4, 5.0},   {0.3, -0.3, 4.0},
                                     {0.0, 0.0, 5.0},   {-0.4, -0.4, 5.0}, {-0.2, 0.3, 4.0},
-                                    {0.45, 0.55, 8.0}, {0.0, 0.0, 2.0},  {0.6, 0.6, 10.0}};
+                                    {0.45, 0.55, 8.0}, {0.0, 0.0, 2.0},   {0.6, 0.6, 10.0}};
 
 // A base whose two signals are as `sent`, read by a codec that takes them as `read`.
 struct Base {
   DbcSignal left = {.id = {0x200}, .bit_length = 32, .value = DbcValue::kSigned, .scale = 0.001};
-  DbcSignal right = {.id = {0x200},
-                     .start_bit = 32,
-                     .bit_length = 32,
-                     .value = DbcValue::kSigned,
-                     .scale = 0.001};
+  DbcSignal right = {
+      .id = {0x200}, .start_bit = 32, .bit_length = 32, .value = DbcValue::kSigned, .scale = 0.001};
   WheelQuantity quantity = WheelQuantity::kPosition;
 };
 
@@ -157,8 +154,7 @@ TEST(WheelWatch, AnotherWrapIsToldWithItsSize) {
   sent.right = as(sent.right, 32, 32, false, DbcValue::kUnsigned);
   for (const int bits : {10, 12}) {
     // 1 and 4 m to a wrap.
-    const WheelFault fault =
-        drive({{0.5, 0.5, 40.0}}, sent, {}, std::uint64_t{1} << bits, 0.3);
+    const WheelFault fault = drive({{0.5, 0.5, 40.0}}, sent, {}, std::uint64_t{1} << bits, 0.3);
     EXPECT_EQ(fault.kind, WheelFaultKind::kWraps) << bits;
     EXPECT_THAT(wheel_fault_text(fault), HasSubstr("at " + std::to_string(bits) + " bits"));
   }
