@@ -150,6 +150,7 @@ Result<SizeWish> wish_of(const ImportCommand& command) {
     if (!size) return size.error();
     wish.size = *size;
   }
+  if (std::isnan(command.scale)) return Error{"expected a number for --scale, found nan"};
   if (command.scale != 0.0) wish.scale = command.scale;
   return wish;
 }

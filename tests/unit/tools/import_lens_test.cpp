@@ -425,10 +425,28 @@ TEST(ImportedLens, CroppedStreamsAreRefused) {
   EXPECT_THAT(refusal(cropped), AllOf(HasSubstr("cropped"), HasSubstr("--scale 1")));
   EXPECT_EQ(native(cropped, {{}, 1.0}).lens.cv_px, 240);
   EXPECT_THAT(refusal(sized(480, 640, 200, 320, 240)), HasSubstr("--size 640x480 --scale 1"));
+  // Off by a little less than exchanged numbers of a 4:3 image make.
+  EXPECT_THAT(refusal(sized(480, 640, 200, 310, 245)),
+              AllOf(HasSubstr("exchanged"), HasSubstr("--size 640x480 --scale 1")));
+  EXPECT_THAT(refusal(sized(640, 480, 200, 245, 310)), HasSubstr("exchanged"));
+  EXPECT_EQ(native(sized(640, 480, 200, 245, 310), {{}, 1.0}).lens.cv_px, 310);
   // A little aside is said, not refused.
   EXPECT_THAT(native(sized(640, 480, 200, 320, 300)).notes,
               testing::ElementsAre(HasSubstr("optical axis")));
   EXPECT_THAT(native(sized(640, 480, 200, 310, 250)).notes, IsEmpty());
+}
+
+TEST(ImportedLens, NumbersThatAreNoPixelsAreRefused) {
+  EXPECT_THAT(refusal(sized(640, 480, 0.4, 0.49, 0.51)), HasSubstr("shares of the image"));
+  EXPECT_THAT(refusal(sized(640, 480, 2.1, 320, 240)), HasSubstr("millimetres"));
+  EXPECT_THAT(refusal(sized(1920, 1080, 4.2, 960, 540)), HasSubstr("millimetres"));
+  ForeignLens pinhole = sized(640, 480, 12.0, 320, 240);
+  pinhole.lens.model = LensModel::kRadtan;
+  EXPECT_THAT(refusal(pinhole), HasSubstr("millimetres"));
+  // A circular fisheye in a large image, and a pinhole as wide as any.
+  EXPECT_EQ(refusal(sized(1920, 1080, 120, 960, 540)), "was taken");
+  pinhole.lens.fu_px = pinhole.lens.fv_px = 100;
+  EXPECT_EQ(refusal(pinhole), "was taken");
 }
 
 TEST(ImportedLens, AnotherSizeRescalesOnlyWhenAsked) {

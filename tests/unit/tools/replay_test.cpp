@@ -152,8 +152,7 @@ std::string poses_of(const std::vector<WheelSample>& samples, double track_width
       const double left = samples[i].left_m - samples[i - 1].left_m;
       const double right = samples[i].right_m - samples[i - 1].right_m;
       const double half = 0.5 * (right - left) / track_width_m;
-      const double chord =
-          0.5 * (left + right) * (half == 0.0 ? 1.0 : std::sin(half) / half);
+      const double chord = 0.5 * (left + right) * (half == 0.0 ? 1.0 : std::sin(half) / half);
       pose = {pose.x_m + chord * std::cos(pose.theta_rad + half),
               pose.y_m + chord * std::sin(pose.theta_rad + half),
               wrap_angle(pose.theta_rad + 2.0 * half)};
@@ -200,7 +199,8 @@ TEST_F(ReplayTest, TravelAndPosesGiveTheSameTrajectoryAsTheCanLog) {
     ASSERT_EQ(got->size(), expected->size());
     double worst_m = 0.0;
     for (std::size_t i = 0; i < got->size(); ++i) {
-      worst_m = std::max(worst_m, ((*got)[i].pose.position() - (*expected)[i].pose.position()).norm());
+      worst_m =
+          std::max(worst_m, ((*got)[i].pose.position() - (*expected)[i].pose.position()).norm());
     }
     RecordProperty(std::string(file) + "_worst_mm", std::to_string(1e3 * worst_m));
     EXPECT_LT(worst_m, 0.001);

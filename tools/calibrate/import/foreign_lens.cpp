@@ -193,11 +193,48 @@ std::string plain_lines(std::string text) {
   return text;
 }
 
-Error nothing_found(const std::string& name, const std::string& files) {
+// What a person meets who downloads a file in the wrong way; empty: something else.
+std::string no_calibration_but(std::string_view text) {
+  const std::string start = lower(trimmed(text).substr(0, 64));
+  if (start.starts_with("<!doctype html") || start.starts_with("<html")) {
+    return "found a web page; download the file itself (on GitHub: Raw)";
+  }
+  if (start.starts_with("version https://git-lfs")) {
+    return "found a pointer of Git LFS in place of the file; fetch it with git lfs pull";
+  }
+  if (text.find('\0') != text.npos) {
+    return "found a binary file; COLMAP writes text with model_converter --output_type TXT, arrays "
+           "of Python can be saved as YAML or JSON";
+  }
+  return {};
+}
+
+// The first keys of a file, for a person to see what was looked at.
+std::string first_keys(const Documents& documents) {
+  constexpr std::size_t kMostKeys = 8;
+  std::vector<std::string> keys;
+  for (const Node& root : documents.roots) {
+    for (const Node& child : root.children) {
+      if (child.key.empty()) continue;
+      keys.push_back(child.key);
+      for (const Node& below : child.children) {
+        if (child.is_map()) keys.push_back(child.key + "." + below.key);
+      }
+    }
+  }
+  std::string text;
+  for (std::size_t i = 0; i < std::min(keys.size(), kMostKeys); ++i) {
+    text += (text.empty() ? "" : ", ") + printable_start(keys[i], 40);
+  }
+  return keys.size() > kMostKeys ? text + ", .." : text;
+}
+
+Error nothing_found(const std::string& name, const std::string& files, const std::string& keys) {
   return {name +
           ": expected a calibration of Kalibr, ROS (camera_info, ost.txt), OpenCV, Basalt, "
           "camodocal (VINS), ORB-SLAM, OCamCalib, SVO, OKVIS, MRPT, COLMAP or DSO, found none of "
           "their keys" +
+          (keys.empty() ? "" : " but " + keys) +
           (files.empty() ? "" : "; it names " + files + ": give that file")};
 }
 
@@ -235,6 +272,10 @@ Result<ForeignLenses> parse_foreign_lenses(const std::string& file, const std::s
   const std::string text = plain_lines(file);
   ForeignLenses lenses;
   std::string files;
+  std::string keys;
+  if (const std::string other = no_calibration_but(text); !other.empty()) {
+    return Error{name + ": expected a calibration, " + other};
+  }
   if (auto plain = read_plain_text(text, model)) {
     if (!*plain) return Error{name + ": " + plain->error().message};
     lenses = std::move(**plain);
@@ -244,8 +285,9 @@ Result<ForeignLenses> parse_foreign_lenses(const std::string& file, const std::s
     lenses = find_lenses(*documents, model);
     if (lenses.empty() && !documents->broken.empty()) return Error{name + ": " + documents->broken};
     files = named_files(*documents);
+    keys = first_keys(*documents);
   }
-  if (lenses.empty()) return nothing_found(name, files);
+  if (lenses.empty()) return nothing_found(name, files, keys);
   name_apart(lenses);
   return lenses;
 }

@@ -22,10 +22,11 @@ namespace zenith::tools {
 enum class ForeignModel : std::uint8_t { kAsTheFileSays, kPinhole, kFisheye };
 
 struct ForeignLens {
-  std::string format;  // "Kalibr", ...
-  std::string camera;  // its name in the file; may be empty when there is only one
-  std::string model;   // in the file's words: "pinhole, equidistant"
-  Lens lens;           // a width of 0: the file does not say the size
+  std::string format;    // "Kalibr", ...
+  std::string camera;    // its name in the file; may be empty when there is only one
+  std::string model;     // in the file's words: "pinhole, equidistant"
+  Lens lens;             // a width of 0: the file does not say the size
+  std::string odd_size;  // where the file says a size that is none: its words
   double skew_px = 0.0;
   std::vector<std::string> notes;  // what was decided that a person may see otherwise
   std::string refused;             // why `lens` is not it; empty: it is

@@ -24,13 +24,24 @@ bool has_pinhole_keys(const Node& map) {
          find(map, {"cx", "ppx", "camcx", "principalpointx"}) != nullptr;
 }
 
-// k1 k2 p1 p2 k3 k4 k5 k6 under their names; what is missing is zero.
-std::vector<double> radtan_keys(LensBuilder& lens, const Node& map) {
+// k1 k2 p1 p2 k3 k4 k5 k6 under their names. A format's program writes the first `required` of
+// them always: one that is missing was lost. The others are zero then.
+std::vector<double> radtan_keys(LensBuilder& lens, const Node& map, std::size_t required) {
   std::vector<double> d;
   for (const std::string_view key : {"k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"}) {
-    d.push_back(lens.number_or(map, {key}, 0.0));
+    d.push_back(d.size() < required ? lens.number(map, {key}) : lens.number_or(map, {key}, 0.0));
   }
   return d;
+}
+
+// Of files that anything may have written: what is taken for zero is said.
+std::vector<double> any_radtan_keys(LensBuilder& lens, const Node& map) {
+  std::string missing;
+  for (const std::string_view key : {"k1", "k2", "p1", "p2"}) {
+    if (find(map, {key}) == nullptr) missing += (missing.empty() ? "" : ", ") + std::string(key);
+  }
+  if (!missing.empty()) lens.note("the file has no " + missing + ": taken as zero");
+  return radtan_keys(lens, map, 0);
 }
 
 std::vector<double> fisheye_keys(LensBuilder& lens, const Node& map) {
@@ -91,7 +102,7 @@ std::optional<ForeignLens> read_basalt(const Node& map, const std::string& name,
     lens.set_distortion("none", {});
   } else if (model == "pinhole-radtan8" || model == "pinhole-radtan5" ||
              model == "pinhole-radtan") {
-    lens.set_distortion("rational", radtan_keys(lens, *in));
+    lens.set_distortion("rational", radtan_keys(lens, *in, model.ends_with('8') ? 8 : 4));
   } else if (model == "kb4") {
     lens.set_distortion("kb4", fisheye_keys(lens, *in));
   } else if (model == "ds") {
@@ -124,14 +135,15 @@ std::optional<ForeignLens> read_camodocal(const Node& map, const std::string& na
   const Node& distortion = found == nullptr ? nothing : *found;
   if (projection != nullptr) set_pinhole_keys(lens, *projection);
   if (type == "pinhole" || type == "pinholefull") {
-    lens.set_distortion(type == "pinhole" ? "radtan" : "rational", radtan_keys(lens, distortion));
+    lens.set_distortion(type == "pinhole" ? "radtan" : "rational",
+                        radtan_keys(lens, distortion, type == "pinhole" ? 4 : 8));
   } else if (type == "kannalabrandt" && projection != nullptr) {
     lens.set_distortion("equidistant",
                         {lens.number(*projection, {"k2"}), lens.number(*projection, {"k3"}),
                          lens.number(*projection, {"k4"}), lens.number(*projection, {"k5"})});
   } else if (type == "mei") {
     const Node* mirror = find(map, {"mirrorparameters"});
-    const auto d = radtan_keys(lens, distortion);
+    const auto d = radtan_keys(lens, distortion, 4);
     lens.set_omni(lens.number(mirror == nullptr ? nothing : *mirror, {"xi"}),
                   {d[0], d[1], d[2], d[3]});
   } else if (type == "scaramuzza") {
@@ -184,7 +196,7 @@ std::optional<ForeignLens> read_plain_keys(const Node& map, const std::string& n
           "--model fisheye or --model pinhole");
     } else {
       const std::string pinhole = plain == "pinhole" || word.empty() ? "radtan" : word;
-      lens.set_distortion(pinhole, radtan_keys(lens, map));
+      lens.set_distortion(pinhole, orb ? radtan_keys(lens, map, 4) : any_radtan_keys(lens, map));
     }
   } else if (find(map, {"camd0"}) != nullptr) {  // SVO of 2014
     lens.set_distortion(word,

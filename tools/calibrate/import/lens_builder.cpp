@@ -6,6 +6,7 @@
 #include <iterator>
 
 #include "platform/base/printable.h"
+#include "slam/image/lens/scaramuzza.h"
 
 namespace zenith::tools {
 namespace {
@@ -43,8 +44,18 @@ bool all_zero(const std::vector<double>& values, std::size_t from = 0) {
                      values.end(), [](double v) { return v == 0.0; });
 }
 
+std::string short_number(double value) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.4g", value);
+  return text;
+}
+
+std::string count_text(std::size_t count, const char* what) {
+  return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
+}
+
 std::string count_of(const std::vector<double>& values) {
-  return std::to_string(values.size()) + (values.size() == 1 ? " coefficient" : " coefficients");
+  return count_text(values.size(), "coefficient");
 }
 
 }  // namespace
@@ -93,7 +104,10 @@ void LensBuilder::set_size(double width, double height) {
   const auto pixels = [](double size) {
     return size >= 1.0 && size <= 1e6 && size == std::floor(size);
   };
-  if (!pixels(width) || !pixels(height)) return;
+  if (!pixels(width) || !pixels(height)) {
+    out_.odd_size = short_number(width) + " x " + short_number(height);
+    return;
+  }
   out_.lens.width_px = static_cast<int>(width);
   out_.lens.height_px = static_cast<int>(height);
 }
@@ -114,8 +128,20 @@ void LensBuilder::size_from(const Node& map) {
   if (both == nullptr) return;
   if (both->is_map() && find(*both, {"data"}) == nullptr) {
     size_from(*both);
-  } else if (const auto size = numbers_of(*both); size && size->size() == 2) {
+    return;
+  }
+  Node sides = *both;
+  if (both->is_scalar()) {  // "640x480"
+    std::replace_if(
+        sides.text.begin(), sides.text.end(), [](char c) { return c == 'x' || c == 'X'; }, ' ');
+  }
+  const auto size = numbers_of(sides);
+  if (size && size->size() == 2) {
     set_size((*size)[0], (*size)[1]);
+  } else if (size) {
+    out_.odd_size = count_text(size->size(), "number");
+  } else {
+    out_.odd_size = printable_start(both->text, 40);
   }
 }
 
@@ -141,12 +167,26 @@ void LensBuilder::set_matrix(const std::vector<double>& m) {
   if (m[row] != 0.0 || m[last] != 0.0 || m[last + 1] != 0.0) {
     return refuse("the camera matrix is not triangular: expected fx s cx, 0 fy cy, 0 0 1");
   }
+  if (m[last + 2] != 1.0) {
+    return refuse("the camera matrix ends with " + short_number(m[last + 2]) +
+                  ", expected 1 in its last row");
+  }
   set_pinhole(m[0], m[row + 1], m[2], m[row + 2]);
   out_.skew_px = m[1];
 }
 
 void LensBuilder::apply_window(const SensorWindow& window, double binning_x, double binning_y) {
   Lens& lens = out_.lens;
+  const auto whole = [](double value) { return value >= 0.0 && value == std::floor(value); };
+  const bool sized = lens.width_px > 0;
+  if (!whole(window.x_px) || !whole(window.y_px) ||
+      (sized && window.x_px + window.width_px > lens.width_px) ||
+      (sized && window.y_px + window.height_px > lens.height_px)) {
+    return refuse("the region of interest reaches out of the image: correct roi, or set it to 0");
+  }
+  if (!whole(binning_x) || !whole(binning_y) || binning_x > 64.0 || binning_y > 64.0) {
+    return refuse("binning_x and binning_y: expected whole numbers from 0 to 64");
+  }
   const bool part = window.width_px > 0.0 && window.height_px > 0.0 &&
                     (window.width_px != lens.width_px || window.height_px != lens.height_px);
   if (part) {
@@ -155,7 +195,7 @@ void LensBuilder::apply_window(const SensorWindow& window, double binning_x, dou
     set_size(window.width_px, window.height_px);
     note("the file's region of interest was applied: the lens is that of the images in it");
   }
-  if (binning_x == 1.0 && binning_y == 1.0) return;
+  if (binning_x <= 1.0 && binning_y <= 1.0) return;
   lens.fu_px /= binning_x;
   lens.fv_px /= binning_y;
   lens.cu_px = (lens.cu_px + 0.5) / binning_x - 0.5;
@@ -323,6 +363,25 @@ void LensBuilder::set_scaramuzza(double c, double d, double e,
   lens.d = d;
   lens.e = e;
   out_.model = "OCamCalib (Scaramuzza)";
+  check_polynomials();
+}
+
+// OCamCalib fits the inverse polynomial to the other within a fraction of a pixel.
+void LensBuilder::check_polynomials() {
+  const Lens& lens = out_.lens;
+  if (lens.width_px == 0 || !(lens.polynomial[0] < 0.0)) return;
+  if (!scaramuzza::has_inverse(lens)) return;
+  constexpr int kSteps = 16;
+  const double edge_px = 0.5 * std::min(lens.width_px, lens.height_px);
+  for (int i = 1; i <= kSteps; ++i) {
+    const double rho_px = edge_px * i / kSteps;
+    const double other_px = scaramuzza::rho(lens, scaramuzza::theta_of(lens, rho_px));
+    if (!std::isfinite(other_px) || std::abs(other_px - rho_px) < 3.0) continue;
+    return note("the two polynomials contradict each other: the point " + short_number(rho_px) +
+                " px from the centre lies at " + short_number(other_px) +
+                " px by the inverse one, which is used; expected the same within 3 px: were both "
+                "written from one calibration?");
+  }
 }
 
 ForeignLens LensBuilder::take() {
@@ -332,9 +391,7 @@ ForeignLens LensBuilder::take() {
   const double shift_px = std::abs(out_.skew_px) * 0.5 * std::max(lens.height_px, 480) /
                           std::max(std::abs(lens.fv_px), 1.0);
   if (!refused() && shift_px > 1e-3) {
-    char text[64];
-    std::snprintf(text, sizeof text, "%.4g", out_.skew_px);
-    refuse(std::string("the camera matrix has a skew of ") + text +
+    refuse("the camera matrix has a skew of " + short_number(out_.skew_px) +
            " px, which no lens model here has; calibrate with the skew fixed to zero (OpenCV's "
            "fisheye: CALIB_FIX_SKEW), or with `zenith calibrate lens`");
   }

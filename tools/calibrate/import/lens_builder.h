@@ -72,6 +72,7 @@ class LensBuilder {
  private:
   void set_radtan(const std::vector<double>& coefficients, bool rational_named);
   void set_equidistant(const std::vector<double>& coefficients);
+  void check_polynomials();
 
   ForeignLens out_;
   ForeignModel wanted_;

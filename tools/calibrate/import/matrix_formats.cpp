@@ -92,7 +92,7 @@ void apply_ros_window(LensBuilder& lens, const Node& map) {
     window = {lens.number_or(*roi, {"xoffset"}, 0.0), lens.number_or(*roi, {"yoffset"}, 0.0),
               lens.number_or(*roi, {"width"}, 0.0), lens.number_or(*roi, {"height"}, 0.0)};
   }
-  lens.apply_window(window, std::max(bin_x, 1.0), std::max(bin_y, 1.0));
+  lens.apply_window(window, bin_x == 0.0 ? 1.0 : bin_x, bin_y == 0.0 ? 1.0 : bin_y);
 }
 
 std::string word_of(const Node& map, const std::string& tag) {

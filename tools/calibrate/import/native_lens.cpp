@@ -53,14 +53,59 @@ struct Middle {
   }
 };
 
+// Whether the axis comes near the middle by exchanging width and height: or, what is the same, its
+// column and its row.
+bool exchange_fits(const Lens& lens) {
+  constexpr double kNear = 0.05;
+  Lens turned = lens;
+  std::swap(turned.width_px, turned.height_px);
+  return Middle(turned).far() <= kNear;
+}
+
+// Whoever takes millimetres for pixels has a lens whose whole image is a dot in the middle.
+Status check_focal_length(const Lens& lens) {
+  const LensProjection projection(lens);
+  const bool perspective = lens.model == LensModel::kRadtan || lens.model == LensModel::kRational;
+  const double widest_rad = (perspective ? 85.0 : 110.0) * std::numbers::pi / 180.0;
+  const bool ends = projection.limit_rad() < widest_rad;
+  const double rho = projection.rho(ends ? projection.limit_rad() * 0.999 : widest_rad);
+  const double radius_px = rho * std::min(lens.fu_px, lens.fv_px);
+  const double side_px = 0.5 * std::min(lens.width_px, lens.height_px);
+  // No perspective lens shows 170 degrees; a fisheye's circle fills a fair part of its sensor.
+  if (radius_px >= side_px * (perspective && !ends ? 1.0 : 0.25)) return {};
+  return Error{formatted(
+      "with a focal length of %.4g px all that the lens shows, up to %.0f degrees from its axis, "
+      "lies within %.0f px of its centre, in an image of %s: the focal length seems to be in "
+      "millimetres (divide it by the size of a pixel), or of smaller images (--scale)",
+      lens.fu_px, std::min(projection.limit_rad(), widest_rad) * 180.0 / std::numbers::pi,
+      radius_px, size_text(lens.width_px, lens.height_px).c_str())};
+}
+
 Status check_middle(const Lens& lens) {
   const Middle middle(lens);
-  if (middle.far() <= kFarFromMiddle) return {};
+  if (middle.far() <= kSomewhatFar) return {};
+  const bool exchanged = exchange_fits(lens);
+  if (middle.far() <= kFarFromMiddle && !exchanged) return {};
   const std::string where = formatted(
       "the optical axis (%.1f, %.1f) lies at %.0f %% of the width and %.0f %% of the "
       "height of %s pixels",
       lens.cu_px, lens.cv_px, 100.0 * middle.x, 100.0 * middle.y,
       size_text(lens.width_px, lens.height_px).c_str());
+  if (exchanged) {
+    return Error{where +
+                 ": width and height seem to be exchanged, or the axis's column and row. If the "
+                 "images have " +
+                 size_text(lens.height_px, lens.width_px) + ": --size " +
+                 std::to_string(lens.height_px) + "x" + std::to_string(lens.width_px) +
+                 " --scale 1; otherwise exchange the axis's numbers in the file, or say --scale 1 "
+                 "where they are right"};
+  }
+  if (lens.cu_px < 1.0 && lens.cv_px < 1.0) {
+    return Error{where +
+                 ": the numbers seem to be shares of the image, or millimetres; expected "
+                 "pixels: multiply shares by the width or the height, divide millimetres "
+                 "by the size of a pixel"};
+  }
   if (const auto factor = middle.factor()) {
     const std::string small =
         size_text(std::round(lens.width_px / *factor), std::round(lens.height_px / *factor));
@@ -70,13 +115,6 @@ Status check_middle(const Lens& lens) {
                  " (binned or scaled). If the robot's images have " +
                  size_text(lens.width_px, lens.height_px) + ": --scale " + factor_text(*factor) +
                  "; if they have " + small + ": --size " + tight + " --scale 1"};
-  }
-  Lens turned = lens;
-  std::swap(turned.width_px, turned.height_px);
-  if (Middle(turned).far() <= kSomewhatFar) {
-    return Error{where + ": width and height seem to be exchanged; if so: --size " +
-                 std::to_string(turned.width_px) + "x" + std::to_string(turned.height_px) +
-                 " --scale 1"};
   }
   return Error{where +
                ", expected the middle: the images were cropped, or the calibration failed. "
@@ -103,8 +141,8 @@ Error differing_sizes(const Lens& lens, int width, int height) {
 }
 
 // The size of the images, once the numbers are scaled.
-Status settle_size(Lens& lens, const Lens& before, const SizeWish& wish,
-                   std::vector<std::string>& notes) {
+Status settle_size(Lens& lens, const Lens& before, const std::string& odd_size,
+                   const SizeWish& wish, std::vector<std::string>& notes) {
   if (wish.size) {
     const auto [width, height] = *wish.size;
     const bool known = lens.width_px > 0;
@@ -114,6 +152,11 @@ Status settle_size(Lens& lens, const Lens& before, const SizeWish& wish,
     lens.width_px = width;
     lens.height_px = height;
     return {};
+  }
+  if (lens.width_px == 0 && !odd_size.empty()) {
+    return Error{"the file says '" + odd_size +
+                 "' for the size of the images, expected two whole numbers of pixels: say it with "
+                 "--size WIDTHxHEIGHT, as they were when the camera was calibrated"};
   }
   if (lens.width_px == 0) {
     return Error{
@@ -175,7 +218,8 @@ Result<NativeLens> native_lens(const ForeignLens& foreign, const SizeWish& wish)
   out.notes = foreign.notes;
   out.lens = foreign.lens;
   if (wish.scale) out.lens = scaled(foreign.lens, *wish.scale);
-  if (const Status sized = settle_size(out.lens, foreign.lens, wish, out.notes); !sized) {
+  if (const Status sized = settle_size(out.lens, foreign.lens, foreign.odd_size, wish, out.notes);
+      !sized) {
     return sized.error();
   }
   const bool meant = wish.scale && *wish.scale == 1.0;
@@ -184,6 +228,7 @@ Result<NativeLens> native_lens(const ForeignLens& foreign, const SizeWish& wish)
     if (const Status middle = check_middle(out.lens); !middle) return middle.error();
   }
   if (const Status good = check_lens(out.lens); !good) return good.error();
+  if (const Status good = check_focal_length(out.lens); !good) return good.error();
   note_doubts(out.lens, out.notes);
   return out;
 }

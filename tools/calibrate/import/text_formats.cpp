@@ -109,11 +109,20 @@ const ColmapModel* colmap_model(std::string_view name) {
 std::optional<ForeignLens> read_colmap_line(std::string_view line) {
   const std::string_view id = first_word(line);
   line = trimmed(line.substr(id.size()));
-  const ColmapModel* model = colmap_model(first_word(line));
-  if (model == nullptr || !numbers_in(id)) return std::nullopt;
+  const std::string_view word = first_word(line);
+  const ColmapModel* model = colmap_model(word);
+  const auto behind = numbers_in(line.substr(word.size()));
+  if (!numbers_in(id) || (model == nullptr && (!behind || behind->size() < 3))) {
+    return std::nullopt;
+  }
   LensBuilder lens("COLMAP", std::string(id), ForeignModel::kAsTheFileSays);
+  if (model == nullptr) {
+    lens.refuse("the model " + printable_start(word, 40) +
+                " is none of COLMAP's; expected one such as OPENCV or OPENCV_FISHEYE");
+    return lens.take();
+  }
   const std::size_t centre = 2 + model->focal_lengths;
-  const auto values = numbers_in(line.substr(model->name.size()));
+  const auto& values = behind;
   if (model->word.empty()) {
     lens.refuse("the model " + std::string(model->name) +
                 " is none that a lens here has; run COLMAP with OPENCV_FISHEYE or OPENCV");
@@ -137,13 +146,17 @@ std::optional<ForeignLens> read_colmap_line(std::string_view line) {
 }
 
 std::optional<Result<ForeignLenses>> read_colmap(std::string_view text) {
+  const auto lines = content_of(text);
+  const auto names_a_model = [](std::string_view line) {
+    return colmap_model(first_word(trimmed(line.substr(first_word(line).size())))) != nullptr;
+  };
+  if (!std::any_of(lines.begin(), lines.end(), names_a_model)) return std::nullopt;
   ForeignLenses lenses;
-  for (const std::string_view line : content_of(text)) {
+  for (const std::string_view line : lines) {
     auto lens = read_colmap_line(line);
     if (!lens) return std::nullopt;
     lenses.push_back(std::move(*lens));
   }
-  if (lenses.empty()) return std::nullopt;
   return lenses;
 }
 

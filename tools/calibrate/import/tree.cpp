@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "platform/base/printable.h"
@@ -74,12 +75,41 @@ Status append_numbers(std::string_view text, std::vector<double>& out) {
   }
 }
 
+// How many numbers a matrix says it has: rows times cols, times the channels of OpenCV's dt ("2d").
+std::optional<double> matrix_size(const Node& map) {
+  double size = 1.0;
+  for (const std::string_view key : {"rows", "cols"}) {
+    const Node* side = find(map, {key});
+    const auto number =
+        side == nullptr ? Result<std::vector<double>>(std::vector<double>()) : numbers_of(*side);
+    if (!number || number->size() != 1 || !(number->front() >= 1.0 && number->front() < 1e6)) {
+      return std::nullopt;
+    }
+    size *= number->front();
+  }
+  const Node* type = find(map, {"dt"});
+  if (type != nullptr && !type->text.empty() && type->text[0] >= '1' && type->text[0] <= '9') {
+    size *= type->text[0] - '0';
+  }
+  return size;
+}
+
 Status append_numbers(const Node& node, std::vector<double>& out) {
   if (node.is_scalar()) return append_numbers(node.text, out);
   if (node.is_map()) {
     const Node* data = find(node, {"data"});
     if (data == nullptr) return Error{"expected numbers, found keys"};
-    return append_numbers(*data, out);
+    const std::size_t before = out.size();
+    if (const Status read = append_numbers(*data, out); !read) return read;
+    const auto expected = matrix_size(node);
+    // Zeros behind the last coefficient say nothing.
+    while (expected && static_cast<double>(out.size() - before) > *expected && out.back() == 0.0) {
+      out.pop_back();
+    }
+    if (!expected || *expected == static_cast<double>(out.size() - before)) return {};
+    return Error{std::to_string(out.size() - before) + " numbers where rows times cols are " +
+                 std::to_string(static_cast<long>(*expected)) +
+                 ": the file was cut off or edited; correct rows and cols, or take the file anew"};
   }
   for (const Node& child : node.children) {
     if (const Status read = append_numbers(child, out); !read) return read;

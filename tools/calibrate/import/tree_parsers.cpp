@@ -156,6 +156,27 @@ bool opens_too_many(std::string_view text) {
   return false;
 }
 
+// YAML's "<<: *other": the other map's keys, where the map does not have them itself.
+void merge_keys(Node& node) {
+  for (Node& child : node.children) merge_keys(child);
+  const auto is_merge = [](const Node& child) { return child.key == "<<" && !child.is_scalar(); };
+  const auto at = std::find_if(node.children.begin(), node.children.end(), is_merge);
+  if (!node.is_map() || at == node.children.end()) return;
+  const Node merged = std::move(*at);
+  node.children.erase(at);
+  const auto take = [&node](const Node& other) {
+    for (const Node& entry : other.children) {
+      const bool known = std::any_of(node.children.begin(), node.children.end(),
+                                     [&](const Node& own) { return own.key == entry.key; });
+      if (!known) node.children.push_back(entry);
+    }
+  };
+  if (merged.is_map()) return take(merged);
+  for (const Node& other : merged.children) {
+    if (other.is_map()) take(other);
+  }
+}
+
 Result<Documents> parse_yaml(const std::string& text) {
   if (opens_too_many(text)) return Error{kTooLarge};
   Documents documents;
@@ -165,7 +186,9 @@ Result<Documents> parse_yaml(const std::string& text) {
     YAML::Parser parser(stream);
     // yaml-cpp finds documents without an end behind bytes that are no text.
     for (int i = 0; i < kMostDocuments && parser.HandleNextDocument(events); ++i) {
-      if (events.any()) documents.roots.push_back(events.root());
+      if (!events.any()) continue;
+      documents.roots.push_back(events.root());
+      merge_keys(documents.roots.back());
     }
   } catch (const YAML::Exception& error) {
     documents.broken =
