@@ -2,9 +2,11 @@
 
 #include <cstdio>
 #include <numbers>
+#include <utility>
 
 #include "platform/config/lens_settings.h"
 #include "platform/recording/layout.h"
+#include "platform/recording/robot_file.h"
 #include "platform/recording/sensor_file.h"
 #include "tools/atomic_output.h"
 #include "tools/calibrate/edit_toml.h"
@@ -67,6 +69,17 @@ TomlValues wheel_values(const RobotResult& result) {
   return values;
 }
 
+// Poses become wheel travel by the track width that made them: it is written down before another
+// takes its place, for otherwise the one would undo the other.
+Result<TomlValues> poses_values(const std::filesystem::path& recording) {
+  const auto robot = read_robot_file(layout::robot(recording));
+  if (!robot) return robot.error();
+  std::error_code code;
+  const bool poses = std::filesystem::exists(layout::odometry_tum(recording), code);
+  if (!poses || robot->poses_track_width_m > 0.0) return TomlValues{};
+  return TomlValues{{"odometry.poses_track_width_m", toml_number(robot->wheels.track_width_m, 9)}};
+}
+
 }  // namespace
 
 TomlValues robot_values(const RobotResult& result) {
@@ -87,8 +100,11 @@ Status write_robot(const std::filesystem::path& path, const RobotResult& result)
   auto sensor = read_sensor_file(layout::sensor(path));
   if (!sensor) return sensor.error();
   sensor->mount = result.robot.mount;
+  auto values = poses_values(path);
+  if (!values) return values.error();
+  for (auto& value : wheel_values(result)) values->push_back(std::move(value));
   const Status written = write_file(layout::sensor(path), format_sensor_file(*sensor));
-  return written ? edit_toml_file(layout::robot(path), wheel_values(result)) : written;
+  return written ? edit_toml_file(layout::robot(path), *values) : written;
 }
 
 }  // namespace zenith::tools

@@ -30,6 +30,9 @@ struct RobotResult {
 // The same as values of a zenith.toml; edited_toml() of an empty text makes them lines to paste.
 TomlValues robot_values(const RobotResult& result);
 
+// Into a recording whose wheels are poses (odometry.tum): the track width so far becomes
+// odometry.poses_track_width_m, if that is not set, so that the poses tell the same travel as
+// before.
 Status write_robot(const std::filesystem::path& path, const RobotResult& result);
 
 // sensor.yaml with this lens; of an older file the mount and the rate stay.

@@ -6,6 +6,8 @@
 #include "platform/daemon/config.h"
 #include "platform/daemon/config_text.h"
 #include "platform/recording/layout.h"
+#include "platform/recording/pose_travel.h"
+#include "platform/recording/robot_file.h"
 #include "platform/recording/sensor_file.h"
 #include "tests/support/lenses.h"
 #include "tests/unit/tools/small_recording.h"
@@ -86,6 +88,45 @@ TEST(ResultFiles, TheLensOfARecordingLeavesItsMount) {
   ASSERT_TRUE(sensor.ok()) << sensor.error().message;
   EXPECT_DOUBLE_EQ(sensor->lens.fu_px, 9.0);
   EXPECT_NEAR(sensor->mount.yaw_rad, small_robot().mount.yaw_rad, 1e-9);
+}
+
+// The track width that made the poses stays theirs: they tell the same travel, whatever is written.
+TEST(ResultFiles, ANewTrackWidthDoesNotChangeWhatPosesTell) {
+  TemporaryFolder folder;
+  const auto rec = folder.path() / "rec";
+  write_small_recording(rec);
+  const double width_m = read_robot_file(layout::robot(rec))->wheels.track_width_m;
+  RobotResult result;
+  result.robot = small_robot();
+  result.robot.wheels.track_width_m = 1.1 * width_m;
+  ASSERT_TRUE(write_robot(rec, result).ok());
+  EXPECT_EQ(read_robot_file(layout::robot(rec))->poses_track_width_m, 0.0);  // wheels of a CAN log
+
+  const auto other = folder.path() / "other";
+  write_small_recording(other);
+  const auto poses = layout::odometry_tum(other);
+  write_text(poses,
+             "1 0 0 0 0 0 0 1\n1.1 0.05 0 0 0 0 0.05 0.99875\n1.2 0.1 0.01 0 0 0 0.1 0.995\n");
+  const auto travel = [&] {
+    const auto robot = read_robot_file(layout::robot(other));
+    EXPECT_TRUE(robot.ok()) << robot.error().message;
+    const auto log = read_pose_travel(poses, *robot);
+    EXPECT_TRUE(log.ok()) << log.error().message;
+    return log->samples;
+  };
+  const auto before = travel();
+  for (const double factor : {1.1, 1.2}) {
+    result.robot.wheels.track_width_m = factor * width_m;
+    const Status written = write_robot(other, result);
+    ASSERT_TRUE(written.ok()) << written.error().message;
+    const auto robot = read_robot_file(layout::robot(other));
+    EXPECT_NEAR(robot->wheels.track_width_m, factor * width_m, 1e-6);
+    EXPECT_DOUBLE_EQ(robot->poses_track_width_m, width_m);
+    const auto after = travel();
+    ASSERT_EQ(after.size(), before.size());
+    EXPECT_EQ(after.back().left_m, before.back().left_m);
+    EXPECT_EQ(after.back().right_m, before.back().right_m);
+  }
 }
 
 TEST(Target, WhatIsPrintedIsFoundAndIsTrueToSize) {
