@@ -5,9 +5,8 @@
 //   nonsense   3 % and more of the last steps are faster than max_speed, without a silence in which
 //              the base could have restarted; or velocities that are
 //   wraps      such steps, rare, but all of the same size: a counter wraps at another width
-//   stands     one wheel never moved while the other rolled 6 m; a robot that turns about that
-//   wheel
-//              makes more than two full turns until then
+//   stands     one wheel never moved while the other rolled 6 m: a robot that turns about the
+//              standing one makes more than two full turns until then
 //
 // Plain data, no heap, no lock.
 

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "platform/base/printable.h"
 #include "platform/recording/travel_file.h"
@@ -71,6 +72,82 @@ class SidewaysTravel {
   double sum_sideways_m_ = 0.0;
   double sum_wheels_m_ = 0.0;
 };
+
+// Poses rarer than this are filled, up to those that are too rare to say what lay between them.
+constexpr double kRare_s = 0.06;
+constexpr double kTooRare_s = 0.25;
+constexpr double kFilled_s = 0.025;
+constexpr std::size_t kMostFilled = kMaxTravelLines / 10;
+
+// Steffen, "A simple method for monotonic interpolation in one dimension", A&A 1990, eq. 11: the
+// speed at a sample, from the mean speeds before and behind it. Exact while the acceleration is
+// constant; 0 where the wheel turns back or begins to stand.
+double speed_at(double before_s, double before_mps, double behind_s, double behind_mps) {
+  if (!(before_mps * behind_mps > 0.0)) return 0.0;
+  const double parabola_mps =
+      (before_mps * behind_s + behind_mps * before_s) / (before_s + behind_s);
+  const double size_mps =
+      std::min({2.0 * std::abs(before_mps), 2.0 * std::abs(behind_mps), std::abs(parabola_mps)});
+  return std::copysign(size_mps, before_mps);
+}
+
+// One wheel between samples i and i + 1: a cubic with the speeds of speed_at() at both.
+class WheelBetween {
+ public:
+  WheelBetween(const std::vector<WheelSample>& samples, std::size_t i, double WheelSample::*travel)
+      : from_m_(samples[i].*travel), way_m_(samples[i + 1].*travel - from_m_) {
+    const auto mean = [&](std::size_t k) {
+      const double s = (samples[k + 1].stamp - samples[k].stamp).seconds();
+      return std::pair{s, (samples[k + 1].*travel - samples[k].*travel) / s};
+    };
+    const auto [s, mps] = mean(i);
+    duration_s_ = s;
+    first_mps_ = last_mps_ = mps;
+    if (i > 0) {
+      const auto [before_s, before_mps] = mean(i - 1);
+      first_mps_ = speed_at(before_s, before_mps, s, mps);
+    }
+    if (i + 2 < samples.size()) {
+      const auto [behind_s, behind_mps] = mean(i + 1);
+      last_mps_ = speed_at(s, mps, behind_s, behind_mps);
+    }
+  }
+
+  // `part` of the time.
+  double at(double part) const {
+    const double bend_m = (1.0 - part) * (first_mps_ * duration_s_ - way_m_) +
+                          part * (way_m_ - last_mps_ * duration_s_);
+    return from_m_ + part * way_m_ + part * (1.0 - part) * bend_m;
+  }
+
+ private:
+  double from_m_;
+  double way_m_;
+  double duration_s_ = 0.0;
+  double first_mps_ = 0.0;
+  double last_mps_ = 0.0;
+};
+
+// Samples between those that lie far apart: between poses at 10 Hz a wheel that speeds up by
+// 1 m/s^2 is 1.2 mm away from where an even speed would have it.
+std::vector<WheelSample> filled(const std::vector<WheelSample>& samples) {
+  std::vector<WheelSample> out;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    out.push_back(samples[i]);
+    if (i + 1 == samples.size()) break;
+    const Duration apart = samples[i + 1].stamp - samples[i].stamp;
+    if (apart.seconds() < kRare_s || apart.seconds() > kTooRare_s) continue;
+    const WheelBetween left(samples, i, &WheelSample::left_m);
+    const WheelBetween right(samples, i, &WheelSample::right_m);
+    const auto pieces = static_cast<int>(std::ceil(apart.seconds() / kFilled_s));
+    for (int k = 1; k < pieces; ++k) {
+      const double part = static_cast<double>(k) / pieces;
+      out.push_back({samples[i].stamp + Duration::from_seconds(part * apart.seconds()),
+                     left.at(part), right.at(part)});
+    }
+  }
+  return out;
+}
 
 // The travel so far, pose by pose.
 class PoseTravel {
@@ -196,6 +273,7 @@ Result<WheelLog> parse_pose_travel(InputLines& file, const RobotFile& robot) {
   if (travel.sideways().too_much()) {
     return Error{file.name() + ": " + travel.sideways().text()};
   }
+  if (log.samples.size() <= kMostFilled) log.samples = filled(log.samples);
   log.decoder = travel.decoder().counters();
   log.fault = travel.decoder().fault();
   return check_log(std::move(log), file.name());

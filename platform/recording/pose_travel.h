@@ -13,6 +13,9 @@
 // The travel so far is told in whole tenths of a millimetre: what rounded poses leave while the
 // robot stands is no motion.
 //
+// Between poses 0.06 s to 0.25 s apart samples are added, every 25 ms or less, along a cubic that
+// has the same speed on both sides of a pose.
+//
 // The travel is that of the base's own wheels, before left_scale and right_scale: b is the track
 // width with which the base made the poses, so that what calibration corrects is not undone.
 

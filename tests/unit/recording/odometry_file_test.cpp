@@ -151,14 +151,62 @@ TEST(PoseTravel, RoundedPosesDoNotDrift) {
 }
 
 // NumPy's way to write numbers.
+// Wheels that speed up, slow down, turn back and stand, with poses at 10 Hz and at 5 Hz.
+TEST(PoseTravel, BetweenRarePosesTheWheelsSpeedUpEvenly) {
+  const auto travel = [](double t, double phase) {  // speeds of 0 to 0.6 m/s, then backward
+    const double at = std::min(t, 9.0);
+    return 0.3 * at - 0.3 / 1.2 * std::sin(1.2 * at + phase) - (t > 9.0 ? 0.2 * (t - 9.0) : 0.0);
+  };
+  for (const auto& [rate_hz, within_m] : {std::pair{10, 3e-4}, std::pair{5, 1.5e-3}}) {
+    std::vector<WheelSample> samples;
+    std::vector<StampedPose> poses;
+    for (int i = 0; i <= 12'000; ++i) {
+      const double t = 1e-3 * i;
+      samples.push_back({Time{1'000'000'000 + i * 1'000'000LL}, travel(t, 0.0), travel(t, 1.0)});
+    }
+    const auto all = drive(samples, kTrack_m);
+    for (std::size_t i = 0; i < all.size(); i += static_cast<std::size_t>(1000 / rate_hz)) {
+      poses.push_back(all[i]);
+    }
+    const auto log = read_poses(tum_text(poses));
+    ASSERT_TRUE(log.ok()) << log.error().message;
+    EXPECT_GT(log->samples.size(), 12U * 39U);
+    double worst_m = 0.0;
+    for (const WheelSample& sample : log->samples) {
+      const double t = (sample.stamp - samples[0].stamp).seconds();
+      if (std::abs(t - 9.0) < 2.0 / rate_hz) continue;  // there the speed jumps
+      worst_m = std::max({worst_m, std::abs(sample.left_m - travel(t, 0.0) + travel(0.0, 0.0)),
+                          std::abs(sample.right_m - travel(t, 1.0) + travel(0.0, 1.0))});
+    }
+    EXPECT_LT(worst_m, within_m) << rate_hz;
+  }
+}
+
+TEST(PoseTravel, BetweenRarePosesStandingIsStandingAndNothingOvershoots) {
+  std::string text;
+  const double x_m[] = {0, 0, 0, 0.03, 0.05, 0.05, 0.05, 0.02, 0.02};
+  for (std::size_t i = 0; i < std::size(x_m); ++i) {
+    text += std::to_string(10.0 + 0.1 * static_cast<double>(i)) + " " + std::to_string(x_m[i]) +
+            " 0 0 0 0 0 1\n";
+  }
+  const auto log = read_poses(text);
+  ASSERT_TRUE(log.ok()) << log.error().message;
+  ASSERT_EQ(log->samples.size(), 8U * 4U + 1U);
+  for (std::size_t i = 0; i < 32; ++i) {
+    const auto [low, high] = std::minmax(x_m[i / 4], x_m[i / 4 + 1]);
+    EXPECT_GE(log->samples[i].left_m, low - 1e-12) << i;
+    EXPECT_LE(log->samples[i].left_m, high + 1e-12) << i;
+    EXPECT_EQ(log->samples[i].left_m, log->samples[i].right_m) << i;
+  }
+}
+
 TEST(PoseTravel, ReadsExponents) {
   const auto log = read_poses(
       "1.436509052249713000e+09 0.0e+00 0 0 0 0 0 1.0e+00\n"
       "1.436509052349713000e+09 1.0e-02 0 0 0 0 0 1.0e+00\n");
   ASSERT_TRUE(log.ok()) << log.error().message;
-  ASSERT_EQ(log->samples.size(), 2U);
-  EXPECT_EQ(log->samples[1].stamp.ns, 1436509052349713000);
-  EXPECT_NEAR(log->samples[1].left_m, 0.01, 1e-12);
+  EXPECT_EQ(log->samples.back().stamp.ns, 1436509052349713000);
+  EXPECT_NEAR(log->samples.back().left_m, 0.01, 1e-12);
 }
 
 // The base's own track width makes its poses; what calibration says of it corrects them.

@@ -162,6 +162,21 @@ std::string poses_of(const std::vector<WheelSample>& samples, double track_width
   return text;
 }
 
+// Those lines of poses whose stamps are 0.1 s apart.
+std::string at_10_hz(const std::string& tum) {
+  std::string text;
+  double last_s = -1.0;
+  for (std::size_t at = 0; at < tum.size();) {
+    const std::size_t end = tum.find('\n', at) + 1;
+    const std::string line = tum.substr(at, end - at);
+    at = end;
+    if (std::stod(line) < last_s + 0.099 && end < tum.size()) continue;
+    last_s = std::stod(line);
+    text += line;
+  }
+  return text;
+}
+
 // The wheels' travel and the base's own poses in place of the CAN log: the same trajectory.
 TEST_F(ReplayTest, TravelAndPosesGiveTheSameTrajectoryAsTheCanLog) {
   ReplayPlan one = plan();
@@ -181,16 +196,22 @@ TEST_F(ReplayTest, TravelAndPosesGiveTheSameTrajectoryAsTheCanLog) {
            std::to_string(sample.right_m) + "\n";
   }
   const std::string tum = poses_of(wheels->samples, robot->wheels.track_width_m);
-  for (const auto& [file, text] :
-       {std::pair<const char*, std::string>{"odometry.csv", csv}, {"odometry.tum", tum}}) {
-    SCOPED_TRACE(file);
-    const fs::path folder = make((std::string(file) + "_rec").c_str()) / name;
+  struct Form {
+    const char* what;
+    const char* file;
+    std::string text;
+  };
+  for (const auto& [what, file, text] :
+       {Form{"travel", "odometry.csv", csv}, Form{"poses", "odometry.tum", tum},
+        Form{"poses_10_hz", "odometry.tum", at_10_hz(tum)}}) {
+    SCOPED_TRACE(what);
+    const fs::path folder = make((std::string(what) + "_rec").c_str()) / name;
     fs::copy(one.recordings[0], folder, fs::copy_options::recursive);
     fs::remove(layout::can_log(folder, "can0"));
     write_text(folder / file, text);
     ReplayPlan other = plan();
     other.recordings = {folder};
-    const fs::path out = make((std::string(file) + "_out").c_str());
+    const fs::path out = make((std::string(what) + "_out").c_str());
     const auto result = replay(other, out, {});
     ASSERT_TRUE(result.ok()) << result.error().message;
     EXPECT_THAT(result->warnings, testing::IsEmpty());
@@ -202,8 +223,9 @@ TEST_F(ReplayTest, TravelAndPosesGiveTheSameTrajectoryAsTheCanLog) {
       worst_m =
           std::max(worst_m, ((*got)[i].pose.position() - (*expected)[i].pose.position()).norm());
     }
-    RecordProperty(std::string(file) + "_worst_mm", std::to_string(1e3 * worst_m));
-    EXPECT_LT(worst_m, 0.001);
+    RecordProperty(std::string(what) + "_worst_mm", std::to_string(1e3 * worst_m));
+    // What lies between rare poses is not known: other particles win here and there.
+    EXPECT_LT(worst_m, text.size() < tum.size() / 2 ? 0.005 : 0.001);
   }
 }
 
