@@ -282,6 +282,7 @@ void Mapper::believe_slip() {
   const Eigen::Matrix3d S = motion_.covariance + doubt * correction_.covariance;
   const Eigen::Vector3d& xi = correction_.xi;
   if (xi.dot(S.ldlt().solve(xi)) < kSlipDistance2) return;
+  if (!Tracking::is_fair_part(match_share())) return;
   motion_.covariance.diagonal() += xi.cwiseAbs2();
   ++counters_.slips;
 }

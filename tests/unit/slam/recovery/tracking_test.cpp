@@ -24,5 +24,13 @@ TEST(Tracking, AFairPartOfAllThatAgreesIsNoChance) {
   EXPECT_TRUE(Tracking::is_weak({12, 3, 20, 7}));
 }
 
+TEST(Tracking, WhatNoiseShowsByAccidentIsNoFairPart) {
+  // A white ceiling, of whose landmarks two are real; then wheels that jerked by 2 and 4 degrees.
+  EXPECT_FALSE(Tracking::is_fair_part({2, 1, 174, 28}));
+  EXPECT_FALSE(Tracking::is_fair_part({4, 2, 170, 34}));
+  EXPECT_TRUE(Tracking::is_fair_part({60, 24, 87, 27}));
+  EXPECT_TRUE(Tracking::is_fair_part({56, 29, 76, 31}));
+}
+
 }  // namespace
 }  // namespace zenith
