@@ -97,6 +97,22 @@ std::optional<DbcEntry> take_signal(const DbcFile& file, const std::string& key,
   return *found;
 }
 
+// Of frames that hold both.
+bool share_bits(const DbcEntry& left, const DbcEntry& right) {
+  if (left.signal.id != right.signal.id) return false;
+  if (!left.conditions.empty() || !right.conditions.empty()) return false;
+  if (bytes_needed(left.signal) > 8 || bytes_needed(right.signal) > 8) return false;
+  CanFrame a;
+  CanFrame b;
+  a.length = b.length = 8;
+  write_raw(left.signal, ~std::uint64_t{0}, a);
+  write_raw(right.signal, ~std::uint64_t{0}, b);
+  for (std::size_t i = 0; i < 8; ++i) {
+    if ((a.data[i] & b.data[i]) != 0) return true;
+  }
+  return false;
+}
+
 dbc::Codec make_dbc(const dbc::Config& config, Problems& problems) {
   if (config.file.empty()) {
     problems.add("dbc.file is missing, expected the base's DBC file");
@@ -114,6 +130,10 @@ dbc::Codec make_dbc(const dbc::Config& config, Problems& problems) {
   if (!left || !right) return {};
   if (left->message == right->message && left->name == right->name) {
     problems.add("dbc: both wheels are the signal " + config.left_signal);
+  } else if (share_bits(*left, *right)) {
+    problems.add("dbc: " + config.left_signal + " and " + config.right_signal +
+                 " are read from the same bits, expected bits of their own: correct their SG_ "
+                 "lines");
   }
   return {left->signal,           right->signal,    config.quantity,
           config.metres_per_unit, left->conditions, right->conditions};

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "platform/base/printable.h"
 #include "platform/recording/candump.h"
 
 namespace zenith {
@@ -87,7 +88,9 @@ class Reader {
                          record.line != CandumpLine::kDropped &&
                          record.line != CandumpLine::kMalformed;
     if (record.line == CandumpLine::kMalformed || (stamped && !stamps_.add(record, file))) {
-      if (log_.malformed++ == 0) log_.first_malformed = file.place();
+      if (log_.malformed++ > 0) return {};
+      log_.first_malformed = file.place();
+      log_.malformed_text = printable_start(line, 80);
       return {};
     }
     if (stamped && record.stamp == CandumpStamp::kFewSeconds && offset_ < kLongest) {

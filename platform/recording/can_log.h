@@ -24,6 +24,7 @@ struct CanLog {
   std::size_t drop_reports = 0;  // lines in which candump says that it lost frames
   std::size_t malformed = 0;
   std::string first_malformed;  // "path:line"
+  std::string malformed_text;   // the start of that line
   bool local_dates = false;     // -tA: stamps of a clock on the wall, taken as UTC
 };
 

@@ -161,10 +161,10 @@ class PoseTravel {
   Status add(const InputLines& file, const TumLine& line, WheelLog& log) {
     const StampedPose& pose = line.pose;
     if (line.lean_rad > kMostLean_rad) {
-      char text[160];
+      char text[200];
       std::snprintf(text, sizeof text,
                     "the pose leans by %.0f degrees; expected that of base_link, which stands on "
-                    "a flat floor: is it the pose of a camera?",
+                    "a flat floor: is it the pose of a camera, or is qw written first?",
                     line.lean_rad * 180.0 / std::numbers::pi);
       return file.error(text);
     }

@@ -1,7 +1,10 @@
 #include "platform/recording/wheel_log.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <cstdio>
+#include <string>
 #include <utility>
 
 #include "platform/recording/seconds.h"
@@ -39,6 +42,41 @@ std::string expected_text(const WheelLog& log) {
   std::string ids;
   for (const CanId& id : log.expected_ids) ids += (ids.empty() ? "" : ", ") + id_text(id);
   return ids;
+}
+
+// Both wheels stand for as long as a drive takes.
+bool never_moves(const WheelLog& log) {
+  constexpr double kDrive_s = 10.0;
+  constexpr double kStands_m = 0.005;
+  if (log.samples.empty() || log.fault.kind != WheelFaultKind::kNone) return false;
+  const WheelSample& first = log.samples.front();
+  if ((log.samples.back().stamp - first.stamp).seconds() < kDrive_s) return false;
+  return std::all_of(log.samples.begin(), log.samples.end(), [&](const WheelSample& sample) {
+    return std::abs(sample.left_m - first.left_m) < kStands_m &&
+           std::abs(sample.right_m - first.right_m) < kStands_m;
+  });
+}
+
+// The likely reason of wheels and frames without a time in common.
+std::string why_apart(const WheelLog& log, const std::vector<ListedFrame>& frames) {
+  if (log.decoder.late > log.samples.size()) {
+    return std::to_string(log.decoder.late) +
+           " stamps do not rise and were refused; expected the lines in order of time";
+  }
+  constexpr double kLike = 0.2;
+  const auto ratio = [](Time of, Time to) {
+    return static_cast<double>(of.ns) / static_cast<double>(std::max<std::int64_t>(to.ns, 1));
+  };
+  for (const auto& [factor, unit] :
+       {std::pair{1e3, "milliseconds"}, {1e6, "microseconds"}, {1e9, "nanoseconds"}}) {
+    const bool like =
+        std::abs(ratio(log.samples.front().stamp, frames.front().stamp) / factor - 1.0) < kLike &&
+        std::abs(ratio(log.samples.back().stamp, frames.back().stamp) / factor - 1.0) < kLike;
+    if (like) {
+      return std::string("the odometry's stamps seem to be ") + unit + "; expected seconds";
+    }
+  }
+  return "are both stamped by the same clock?";
 }
 
 std::string unknown_text(const WheelLog& log) {
@@ -100,9 +138,10 @@ Result<WheelLog> read_wheel_log(const std::filesystem::path& path, const std::st
   log.fault = decoder.fault();
   log.malformed = log.can.malformed;
   if (log.malformed > 0) {
-    log.first_malformed =
-        log.can.first_malformed +
-        ": malformed line, expected '(seconds) interface ID#DATA' or another form of candump";
+    log.first_malformed = log.can.first_malformed +
+                          ": malformed line, expected '(seconds) interface ID#DATA' or another "
+                          "form of candump, found '" +
+                          log.can.malformed_text + "'";
   }
   return check_log(std::move(log), path);
 }
@@ -130,7 +169,8 @@ std::vector<std::string> describe_log(const WheelLog& log, const std::filesystem
     lines.push_back(log.first_malformed +
                     (log.malformed > 1 ? "; " + std::to_string(log.malformed - 1) + " more" : ""));
   }
-  tell(log.can.other_interfaces, "frames of other interfaces, ignored");
+  tell(log.can.other_interfaces, "frames of other interfaces, ignored; expected " +
+                                     path.stem().string() + ", odometry.can_interface");
   tell(log.can.other_frames, "remote or error frames, ignored");
   tell(log.can.fd_frames, "CAN FD frames, ignored: wheels are read from classic frames alone");
   tell(log.can.drop_reports, "times candump lost frames: record with a larger buffer, -r");
@@ -148,6 +188,11 @@ std::vector<std::string> describe_log(const WheelLog& log, const std::filesystem
   tell(log.decoder.velocity_gaps, "gaps between velocities, bridged only in part");
   tell(log.decoder.unpaired, "frames of one wheel without a partner from the other");
   tell(log.decoder.error_reports, "reports of errors by the drives");
+  if (never_moves(log)) {
+    lines.push_back(name +
+                    "the wheels never move; expected travel, if the robot was driven: does the "
+                    "codec read the right signals, is the travel a total that grows?");
+  }
   return lines;
 }
 
@@ -164,7 +209,7 @@ Result<std::vector<std::string>> describe_gaps(const WheelLog& log,
     return Error{path.string() + ": odometry (" + format_seconds(first) + " .. " +
                  format_seconds(last) + ") and frames (" + format_seconds(frames.front().stamp) +
                  " .. " + format_seconds(frames.back().stamp) +
-                 ") have no time in common: are both stamped by the same clock?"};
+                 ") have no time in common: " + why_apart(log, frames)};
   }
   std::vector<std::string> lines;
   std::size_t gaps = 0;

@@ -204,8 +204,9 @@ TEST_F(RecordingTest, CountsOddLinesOfTheLog) {
   EXPECT_EQ(read_all(), "");
   EXPECT_THAT(
       warnings_,
-      ElementsAre(AllOf(HasSubstr("can0.log:2: malformed line"), HasSubstr("3 more")),
-                  HasSubstr("1 frames of other interfaces"),
+      ElementsAre(AllOf(HasSubstr("can0.log:2: malformed line"), HasSubstr("found 'garbage'"),
+                        HasSubstr("3 more")),
+                  AllOf(HasSubstr("1 frames of other interfaces"), HasSubstr("expected can0")),
                   HasSubstr("2 frames with identifiers that the codec does not know: 123 (2)"),
                   HasSubstr("1 odometry frames that are too short")));
 }

@@ -150,6 +150,24 @@ TEST_F(DbcConfig, RefusesShortCountersAndOneSignalForBoth) {
   EXPECT_THAT(problems(config_), HasSubstr("both wheels are the signal"));
 }
 
+TEST_F(DbcConfig, RefusesWheelsThatShareBits) {
+  for (const auto& [right, shared] : std::vector<std::pair<std::string, bool>>{{"16|16@1-", false},
+                                                                               {"0|16@1-", true},
+                                                                               {"15|16@1-", true},
+                                                                               {"23|16@0-", false},
+                                                                               {"15|16@0-", true},
+                                                                               {"7|16@0-", true}}) {
+    std::ofstream(folder_ / "base.dbc")
+        << "BO_ 5 W: 8 X\n SG_ L : 0|16@1- (1,0) [0|0] \"\" X\n SG_ R : " << right
+        << " (1,0) [0|0] \"\" X\n";
+    const auto decoder = make_wheel_decoder(config_);
+    EXPECT_EQ(decoder.ok(), !shared) << right;
+    if (shared && !decoder.ok()) {
+      EXPECT_THAT(decoder.error().message, HasSubstr("the same bits")) << right;
+    }
+  }
+}
+
 // Forward left 1, right 2 turns in the base's words; what the robot makes of it.
 WheelSample drive(WheelCodecConfig config) {
   config.kind = WheelCodecKind::kOdrive;
