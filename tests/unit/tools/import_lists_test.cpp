@@ -200,6 +200,20 @@ TEST(ImportFormats, RosCameraInfoAsAFile) {
   }
 }
 
+TEST(ImportFormats, RosWindowsAndBinningChangeAllNumbers) {
+  const ForeignLens lens =
+      read(ros("plumb_bob", "-0.28, 0.07, 0.0002, -0.0001, 0.01") +
+           "binning_x: 2\nbinning_y: 4\nroi: {x_offset: 40, y_offset: 20, width: 560, "
+           "height: 440}\n")[0];
+  Lens expected = with_size(kPlumbBob, 280, 110);
+  expected.fu_px = 420.5 / 2.0;
+  expected.fv_px = 421.5 / 4.0;
+  expected.cu_px = (322.0 - 40.0 + 0.5) / 2.0 - 0.5;
+  expected.cv_px = (238.0 - 20.0 + 0.5) / 4.0 - 0.5;
+  expect_lens(lens, expected);
+  EXPECT_EQ(lens.notes.size(), 2u);
+}
+
 TEST(ImportFormats, RosWhatNoLensHas) {
   const std::string eight = "0.5, 0.1, 0.001, -0.002, 0.01, 0.85, 0.25, 0.02";
   EXPECT_THAT(refusal_of(ros("rational_polynomial", eight + ", 0.1, 0, 0, 0")),
