@@ -35,11 +35,13 @@ class Tracking {
   // not found.
   static bool is_weak(const MatchShare& share) {
     if (share.expected < kLeastExpected || share.agreeing >= kEnoughAgreeing) return false;
-    return !(share.agreeing >= kLeastAgreeing && is_fair_part(share)) && share.matched < kWeakShare * static_cast<double>(share.expected);
+    return !(share.agreeing >= kLeastAgreeing && is_fair_part(share)) &&
+           share.matched < kWeakShare * static_cast<double>(share.expected);
   }
 
-  // Where a picture shows little but its noise, landmarks made of it are found again by accident: of
-  // all recent ones in view up to a fifth agree on some pose. Where wheels slipped it is a third.
+  // Where a picture shows little but its noise, landmarks made of it are found again by accident:
+  // of all recent ones in view up to a fifth agree on some pose. Where wheels slipped it is a
+  // third.
   static bool is_fair_part(const MatchShare& share) {
     return share.agreeing >= kFairShare * static_cast<double>(share.recent);
   }
