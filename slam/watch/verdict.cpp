@@ -57,7 +57,7 @@ constexpr std::array<CodeInfo, kSetupCodes> kCodes = {{
      " degrees a metre; expected 0: the scales of left and right wheel differ; calibrate the "
      "drive again"},
     {"stamps_apart", "the wheels' stamps are ", 0,
-     " ms late against the frames'; expected 0: stamp both when they are measured, by one "
+     " ms late (less than 0: early) against the frames'; expected 0: stamp both when they are measured, by one "
      "clock, or correct the offset"},
     {"stamps_jitter", "the stamps of frames or wheels jitter by about ", 0,
      " ms; expected less than 5: use the capture's stamps, not those of their arrival"},
