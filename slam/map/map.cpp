@@ -32,6 +32,11 @@ bool is_usable(const LandmarkPlace& place) {
   return std::isfinite(c(0, 1) + c(0, 2) + c(1, 2) + place.rho + place.rho_variance);
 }
 
+// An anchor's, by the first particle.
+Eigen::Vector2d first_place(const AnchorRowStore& rows, int anchor) {
+  return {static_cast<double>(rows.row(anchor, 0)[0]), static_cast<double>(rows.row(anchor, 1)[0])};
+}
+
 }  // namespace
 
 void Map::layout(Arena& arena, int particles) {
@@ -184,9 +189,7 @@ std::span<const std::int32_t> Map::move_piece(const Piece& piece, std::span<cons
 }
 
 Eigen::Vector2d Map::anchor_m(int slot) const {
-  const int anchor = info(slot).anchor;
-  return {static_cast<double>(anchor_rows_.row(anchor, 0)[0]),
-          static_cast<double>(anchor_rows_.row(anchor, 1)[0])};
+  return first_place(anchor_rows_, info(slot).anchor);
 }
 
 void Map::tie_piece(const Piece& piece, const PoseSensitivity& by_calibration,
@@ -197,10 +200,7 @@ void Map::tie_piece(const Piece& piece, const PoseSensitivity& by_calibration,
     if (!tied[i]) continue;
     anchor_rows_.bring(anchor, ancestry_);
     follow_calibration(anchor);
-    const Eigen::Vector2d off =
-        Eigen::Vector2d(static_cast<double>(anchor_rows_.row(anchor, 0)[0]),
-                        static_cast<double>(anchor_rows_.row(anchor, 1)[0])) -
-        at_m;
+    const Eigen::Vector2d off = first_place(anchor_rows_, anchor) - at_m;
     PoseSensitivity& A = anchor_calibrations_[i].A;
     A += by_calibration;
     A.row(0) -= off.y() * by_calibration.row(2);

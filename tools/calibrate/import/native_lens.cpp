@@ -62,7 +62,7 @@ bool exchange_fits(const Lens& lens) {
   return Middle(turned).far() <= kNear;
 }
 
-// Whoever takes millimetres for pixels has a lens whose whole image is a dot in the middle.
+// A focal length in millimetres, taken for pixels, makes the whole image a dot in the middle.
 Status check_focal_length(const Lens& lens) {
   const LensProjection projection(lens);
   const bool perspective = lens.model == LensModel::kRadtan || lens.model == LensModel::kRational;

@@ -170,6 +170,21 @@ TEST(Calibration, TheSameSightAgainTellsNothing) {
   }
 }
 
+// A landmark 2.5 m above the camera, anywhere in view: how its residual depends on the pose and on
+// the calibration.
+struct Derivatives {
+  Eigen::Matrix<double, 2, 3> G;
+  SightSensitivity D;
+};
+
+Derivatives random_sight(Random& random) {
+  const Eigen::Vector2d z(random.uniform(-1.3, 1.3), random.uniform(-1.3, 1.3));
+  Derivatives sight;
+  sight.G << -0.4, 0.0, z.y(), 0.0, -0.4, -z.x();
+  sight.D = -calibration_effect(z);
+  return sight;
+}
+
 // Residuals made from a known beta and unknown pose errors: the estimate comes to it, and each
 // frame's verdict leaves out what the pose explains.
 TEST(Calibration, EstimatorFindsTheTruth) {
@@ -187,10 +202,7 @@ TEST(Calibration, EstimatorFindsTheTruth) {
                              0.01 * random.normal());
     estimator.begin_frame(Eigen::Vector3d(1e4, 1e4, 1e4).asDiagonal());
     for (int n = 0; n < 30; ++n) {
-      const Eigen::Vector2d z(random.uniform(-1.3, 1.3), random.uniform(-1.3, 1.3));
-      Eigen::Matrix<double, 2, 3> G;
-      G << -0.4, 0.0, z.y(), 0.0, -0.4, -z.x();
-      const SightSensitivity D = -calibration_effect(z);
+      const auto [G, D] = random_sight(random);
       const Eigen::Vector2d noise(random.normal(), random.normal());
       estimator.add(0, D * (truth - estimator.beta()) + G * xi + std::sqrt(kNoise) * noise, G, D,
                     weight, Eigen::Vector2d::Zero());
@@ -219,10 +231,7 @@ TEST(Calibration, PoseGainSolvesTheNormalEquations) {
   Eigen::Matrix3d xx = prior;
   PoseSensitivity xb = PoseSensitivity::Zero();
   for (int n = 0; n < 10; ++n) {
-    const Eigen::Vector2d z(random.uniform(-1.3, 1.3), random.uniform(-1.3, 1.3));
-    Eigen::Matrix<double, 2, 3> G;
-    G << -0.4, 0.0, z.y(), 0.0, -0.4, -z.x();
-    const SightSensitivity D = -calibration_effect(z);
+    const auto [G, D] = random_sight(random);
     const Eigen::Matrix2d W = Eigen::Vector2d(5e3, 8e3).asDiagonal();
     estimator.add(0, Eigen::Vector2d::Zero(), G, D, W, Eigen::Vector2d::Zero());
     xx += G.transpose() * W * G;
@@ -284,10 +293,7 @@ TEST(CalibrationEstimator, PaysWhatItOwesInParts) {
     for (int frame = 0; frame < 120; ++frame) {
       estimator.begin_frame(Eigen::Vector3d(1e4, 1e4, 1e4).asDiagonal());
       for (int n = 0; n < 30; ++n) {
-        const Eigen::Vector2d z(random.uniform(-1.3, 1.3), random.uniform(-1.3, 1.3));
-        Eigen::Matrix<double, 2, 3> G;
-        G << -0.4, 0.0, z.y(), 0.0, -0.4, -z.x();
-        const SightSensitivity D = -calibration_effect(z);
+        const auto [G, D] = random_sight(random);
         estimator.add(0, D * (truth - estimator.beta()), G, D, 1e5 * Eigen::Matrix2d::Identity(),
                       Eigen::Vector2d::Zero());
       }
